@@ -1,0 +1,1 @@
+//! Statistics of correlated series on plain arrays; knows nothing of the engine.

@@ -1,0 +1,1 @@
+//! Input and result files of mesoflux.
