@@ -1,0 +1,68 @@
+//! Who owns which work, and sums over everybody: one process with threads now, ranks of several processes next.
+//!
+//! Every global sum and every parallel loop of the engine goes through here; no physics file knows how many workers there are.
+
+mod exact_sum;
+
+pub use exact_sum::ExactSum;
+
+use rayon::prelude::*;
+
+/// Particles a worker takes at a time in a loop over particles.
+const CHUNK: usize = 2048;
+
+/// How the loops of one simulation are spread over threads. The result of a loop never depends on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Workers {
+    /// Everything on the calling thread: the right choice for small systems, of which many run side by side.
+    #[default]
+    One,
+    /// All threads of the rayon pool in which the simulation is called.
+    Pool,
+}
+
+impl Workers {
+    /// Calls `work(offset, chunk)` for consecutive chunks of a column.
+    pub fn for_each_chunk<T: Send>(self, column: &mut [T], work: impl Fn(usize, &mut [T]) + Sync) {
+        match self {
+            Self::One => work(0, column),
+            Self::Pool => column
+                .par_chunks_mut(CHUNK)
+                .enumerate()
+                .for_each(|(k, chunk)| work(k * CHUNK, chunk)),
+        }
+    }
+
+    /// The sum of `term(k)` over 0 ≤ k < `count`, independent of the order of its terms.
+    pub fn sum(self, count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let part = |range: std::ops::Range<usize>| {
+            let mut sum = ExactSum::default();
+            range.for_each(|k| sum.add(term(k)));
+            sum
+        };
+        match self {
+            Self::One => part(0..count).value(),
+            Self::Pool => (0..count.div_ceil(CHUNK))
+                .into_par_iter()
+                .map(|k| part(k * CHUNK..((k + 1) * CHUNK).min(count)))
+                .reduce(ExactSum::default, |mut a, b| {
+                    a.merge(&b);
+                    a
+                })
+                .value(),
+        }
+    }
+
+    /// The largest of `value(k)` over 0 ≤ k < `count`; a value that isn't a number counts as infinite.
+    pub fn largest(self, count: usize, value: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let finite = |k: usize| if value(k).is_nan() { f64::INFINITY } else { value(k) };
+        match self {
+            Self::One => (0..count).map(finite).fold(0.0, f64::max),
+            Self::Pool => (0..count)
+                .into_par_iter()
+                .with_min_len(CHUNK)
+                .map(finite)
+                .reduce(|| 0.0, f64::max),
+        }
+    }
+}

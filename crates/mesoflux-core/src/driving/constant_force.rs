@@ -1,0 +1,60 @@
+//! Nonequilibrium molecular dynamics: a constant magnitude η of the forcing, the flux answers (Wu & Shang, eq. 6).
+
+use super::{DrivenStep, Driving};
+use crate::forcing::{Forcing, ForcingError, ForcingField};
+use crate::integrate::FluxChange;
+use crate::system::System;
+use crate::vector::{Vector, add_scaled};
+
+/// Adds η F(q) to the conservative force in every kick.
+#[derive(Debug)]
+pub struct ConstantForce {
+    magnitude: f64,
+    field: ForcingField,
+}
+
+impl ConstantForce {
+    /// The driving by η F.
+    pub fn new(forcing: Box<dyn Forcing>, magnitude: f64) -> Self {
+        Self {
+            magnitude,
+            field: ForcingField::new(forcing),
+        }
+    }
+}
+
+impl Driving for ConstantForce {
+    fn begin(&mut self, system: &mut System) -> Result<(), ForcingError> {
+        self.field
+            .update(&system.particles, system.layout(), true, system.workers);
+        Ok(())
+    }
+
+    fn response(&mut self, _system: &System) -> Option<&[Vector]> {
+        None
+    }
+
+    fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, _change: FluxChange) {
+        if symbol == 'B' {
+            self.field
+                .update(&system.particles, system.layout(), true, system.workers);
+            let (field, impulse) = (&self.field, time * self.magnitude);
+            system
+                .workers
+                .for_each_chunk(&mut system.particles.momentum, |offset, momenta| {
+                    for (k, momentum) in momenta.iter_mut().enumerate() {
+                        add_scaled(momentum, impulse, field.force[offset + k]);
+                    }
+                });
+        }
+    }
+
+    fn end_step(&mut self, system: &System, _time_step: f64) -> DrivenStep {
+        self.field
+            .update(&system.particles, system.layout(), true, system.workers);
+        DrivenStep {
+            flux: self.field.flux(&system.particles, system.workers),
+            forcing: self.magnitude,
+        }
+    }
+}

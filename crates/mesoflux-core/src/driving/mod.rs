@@ -1,0 +1,51 @@
+//! Drivings: how a forcing is applied. After every letter the driving may act on the momenta.
+
+mod constant_flux;
+mod constant_force;
+
+pub use constant_flux::ConstantFlux;
+pub use constant_force::ConstantForce;
+
+use crate::forcing::ForcingError;
+use crate::integrate::FluxChange;
+use crate::system::System;
+use crate::vector::Vector;
+
+/// A way to drive a system out of equilibrium.
+pub trait Driving: std::fmt::Debug + Send + Sync {
+    /// Prepares the driving and the state before the first step.
+    ///
+    /// # Errors
+    /// A forcing that cannot do what the driving needs.
+    fn begin(&mut self, system: &mut System) -> Result<(), ForcingError>;
+
+    /// G in storage order, where letters must tell their expected change of the flux G·p; for `system` before the letter.
+    fn response(&mut self, system: &System) -> Option<&[Vector]>;
+
+    /// Acts after the letter `symbol`, which took `time` and changed the flux as told.
+    fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, change: FluxChange);
+
+    /// What one whole step brought; called at its end.
+    fn end_step(&mut self, system: &System, time_step: f64) -> DrivenStep;
+
+    /// Whether every letter must tell the expected part of its change of the flux.
+    fn needs_expected_flux(&self) -> bool {
+        false
+    }
+
+    /// λ(q, p) of Wu & Shang's eq. 13 at the present state: what the booked multipliers average to as Δt → 0.
+    ///
+    /// `None` for a driving with constant force.
+    fn forcing_observable(&mut self, _system: &mut System) -> Option<f64> {
+        None
+    }
+}
+
+/// Flux and forcing of one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrivenStep {
+    /// R = G·p at the end of the step.
+    pub flux: f64,
+    /// η, or the mean λ of the step.
+    pub forcing: f64,
+}

@@ -1,0 +1,45 @@
+//! Color drift: one half of the particles pushed along x, the other half against it (Wu & Shang, eq. 77).
+
+use super::{Forcing, ForcingError};
+use crate::state::Particles;
+use crate::vector::Vector;
+
+/// F_i = (−1)^i e_x/√N by the parity of the id, G = M⁻¹F: R is the color current, |F| = 1, and the forces sum to zero.
+#[derive(Debug, Clone, Copy)]
+pub struct ColorDrift;
+
+impl Forcing for ColorDrift {
+    fn force(&self, particles: &Particles, k: usize) -> Vector {
+        let magnitude = 1.0 / (particles.count() as f64).sqrt();
+        [
+            if particles.id[k] % 2 == 0 {
+                magnitude
+            } else {
+                -magnitude
+            },
+            0.0,
+            0.0,
+        ]
+    }
+
+    fn response(&self, particles: &Particles, k: usize) -> Vector {
+        self.force(particles, k).map(|f| f * particles.inverse_mass[k])
+    }
+
+    fn depends_on_positions(&self) -> bool {
+        false
+    }
+
+    fn check(&self, particles: usize) -> Result<(), ForcingError> {
+        if particles < 2 {
+            return Err(ForcingError::TooFewParticles {
+                needed: 2,
+                found: particles,
+            });
+        }
+        if particles % 2 == 1 {
+            return Err(ForcingError::OddParticles(particles));
+        }
+        Ok(())
+    }
+}

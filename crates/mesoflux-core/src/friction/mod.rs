@@ -1,0 +1,64 @@
+//! Pair friction laws: one file each, their registry, and the owner of the fluctuation–dissipation balance.
+
+pub mod fluctuation_dissipation;
+pub mod linear;
+
+use crate::potential::Requirement;
+use serde::{Deserialize, Serialize};
+
+/// A friction along the line of centers with strength Γ(r) = γ ω(r): the dissipative force on i is −Γ (e·v_ij) e.
+///
+/// `strength` is called for 0 < r < cutoff only.
+pub trait PairFriction: Copy + Send + Sync {
+    /// r_c: no friction at and beyond.
+    fn cutoff(&self) -> f64;
+    /// Γ(r).
+    fn strength(&self, r: f64) -> f64;
+    /// Name, value and requirement of every number that a user gives.
+    fn parameters(&self) -> Vec<(&'static str, f64, Requirement)>;
+}
+
+/// Any of the known friction laws, by its name in the input file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Friction {
+    /// Linear in the relative velocity.
+    Linear(linear::Linear),
+}
+
+/// Evaluates `$body` with the concrete law, so that a loop inside is compiled for that law alone.
+macro_rules! with_law {
+    ($friction:expr, $law:ident => $body:expr) => {
+        match $friction {
+            Friction::Linear($law) => $body,
+        }
+    };
+}
+
+impl Friction {
+    /// r_c.
+    pub fn cutoff(&self) -> f64 {
+        with_law!(self, law => law.cutoff())
+    }
+
+    /// Γ(r), zero at and beyond the cutoff.
+    pub fn strength(&self, r: f64) -> f64 {
+        with_law!(self, law => if r < law.cutoff() { law.strength(r) } else { 0.0 })
+    }
+
+    /// Name, value and requirement of every number that a user gives.
+    pub fn parameters(&self) -> Vec<(&'static str, f64, Requirement)> {
+        with_law!(self, law => law.parameters())
+    }
+
+    /// Adds Γ(r) to the strength of every listed distance below the cutoff where `selected` holds.
+    #[inline(always)]
+    pub(crate) fn add_strengths(&self, distances: &[f64], selected: impl Fn(usize) -> bool, strengths: &mut [f64]) {
+        with_law!(self, law => {
+            let cutoff = law.cutoff();
+            for (k, (&r, strength)) in distances.iter().zip(strengths).enumerate() {
+                *strength += if selected(k) && r < cutoff { law.strength(r) } else { 0.0 };
+            }
+        });
+    }
+}

@@ -1,0 +1,87 @@
+//! Integrators: letters, the words made of them, and velocity Verlet.
+
+mod drift;
+mod kick;
+mod pair_ornstein_uhlenbeck;
+mod splitting;
+mod velocity_verlet;
+
+pub use drift::Drift;
+pub use kick::Kick;
+pub use pair_ornstein_uhlenbeck::PairOrnsteinUhlenbeck;
+pub use splitting::{Schedule, WordError};
+pub use velocity_verlet::VelocityVerlet;
+
+use crate::noise::NoiseKey;
+use crate::system::{SimulationError, System};
+use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
+
+/// What a letter is told: how long it acts, and whence its noise.
+#[derive(Debug, Clone, Copy)]
+pub struct Stroke<'a> {
+    /// The time over which the letter acts.
+    pub time: f64,
+    /// The letter's place in its word.
+    pub place: u64,
+    /// The run's noise.
+    pub noise: NoiseKey,
+    /// Whether this step's sweeps go from the last pair to the first.
+    pub backward: bool,
+    /// G of every particle in storage order, where a driving follows the flux G·p.
+    pub response: Option<&'a [Vector]>,
+}
+
+/// What a letter did to the flux G·p.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FluxChange {
+    /// All of it was determined by the state: the driving books all of it.
+    Determined,
+    /// The letter drew noise; this is the part expected given the state before each pair, the rest is a martingale.
+    Expected(f64),
+}
+
+/// One part of the splitting: a map of the state over a time.
+pub trait Letter: std::fmt::Debug + Send + Sync {
+    /// Its symbol in a word.
+    fn symbol(&self) -> char;
+    /// Acts on the system.
+    ///
+    /// # Errors
+    /// A state that is no longer finite.
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError>;
+    /// Whether the letter can tell the expected part of its change of a flux; without that, constant flux is refused.
+    fn tells_expected_flux(&self) -> bool {
+        true
+    }
+}
+
+/// Which thermostat the letter O stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Thermostat {
+    /// The exact update of each pair in turn.
+    PairOrnsteinUhlenbeck,
+    /// None: constant energy.
+    None,
+}
+
+/// In which direction the pairs are visited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SweepOrder {
+    /// Forward at even steps, backward at odd ones.
+    #[default]
+    Alternating,
+    /// Always forward: the form of the papers.
+    Forward,
+}
+
+/// How time goes on.
+#[derive(Debug)]
+pub enum Integrator {
+    /// A word of letters.
+    Splitting(Schedule),
+    /// Groot and Warren's velocity Verlet.
+    VelocityVerlet(VelocityVerlet),
+}

@@ -1,0 +1,41 @@
+//! O: the pair thermostat, exact pair by pair.
+
+use super::{FluxChange, Letter, Stroke};
+use crate::noise::Purpose;
+use crate::pair::{Sweep, ornstein_uhlenbeck_sweep};
+use crate::system::{SimulationError, System};
+
+/// Every pair's relative velocity along its line of centers follows its Ornstein–Uhlenbeck process over the time t, one pair
+/// after the other (Wu & Shang, eqs 22, 27–29).
+///
+/// Each update leaves the Maxwell distribution invariant whatever the time step, and so does the sweep in any order.
+#[derive(Debug, Clone, Copy)]
+pub struct PairOrnsteinUhlenbeck {
+    /// kT.
+    pub temperature: f64,
+}
+
+impl Letter for PairOrnsteinUhlenbeck {
+    fn symbol(&self) -> char {
+        'O'
+    }
+
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError> {
+        let (workers, step) = (system.workers, system.step);
+        let (list, interactions, particles) = system.with_contacts();
+        let sweep = Sweep {
+            temperature: self.temperature,
+            time: stroke.time,
+            noise: stroke.noise.draw(Purpose::Pair, step, stroke.place),
+            backward: stroke.backward,
+            response: stroke.response,
+        };
+        Ok(FluxChange::Expected(ornstein_uhlenbeck_sweep(
+            list,
+            interactions,
+            particles,
+            &sweep,
+            workers,
+        )))
+    }
+}

@@ -1,0 +1,264 @@
+//! The Verlet list: every pair within cutoff plus skin, in the order of the sweep.
+//!
+//! The order follows from the positions at which the list was built and from the input: bricks by color, inside a brick the
+//! pairs of cells in the grid's order, inside these the particles by id. Threads, timings and rebuild counts leave no trace.
+
+mod grid;
+
+pub use grid::Grid;
+
+use crate::boundary::{Image, PeriodicBox};
+use crate::domain::Workers;
+use crate::pair::Contacts;
+use crate::state::Particles;
+use crate::vector::{Vector, dot, subtract};
+use rayon::prelude::*;
+
+/// Two particles by their places in storage, and the image that brings them together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ListedPair {
+    /// Place of the first particle.
+    pub first: u32,
+    /// Place of the second particle.
+    pub second: u32,
+    /// Offset to add to r_first − r_second.
+    pub image: Image,
+}
+
+/// The pairs that one brick owns.
+#[derive(Debug, Clone, Default)]
+pub struct Brick {
+    coordinates: [usize; 3],
+    /// Pairs within the list radius when the list was built.
+    pub listed: Vec<ListedPair>,
+    /// Those within the cutoff now.
+    pub contacts: Contacts,
+}
+
+/// A neighbor list that cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NeighborError {
+    /// A pair would meet in two images at once.
+    #[error(
+        "the shortest side of the box is {side}: must be at least {smallest}, twice the list radius \
+         (largest cutoff {cutoff} plus skin {skin}), so that no pair meets in two images"
+    )]
+    BoxTooSmall {
+        /// The shortest side.
+        side: f64,
+        /// The smallest legal one.
+        smallest: f64,
+        /// The largest cutoff.
+        cutoff: f64,
+        /// The skin.
+        skin: f64,
+    },
+    /// Not a usable skin.
+    #[error("the skin is {0}: must be positive and finite")]
+    Skin(f64),
+}
+
+/// The Verlet list of a system.
+#[derive(Debug, Clone)]
+pub struct NeighborList {
+    grid: Grid,
+    cutoff: f64,
+    skin: f64,
+    /// Bricks ordered by color.
+    bricks: Vec<Brick>,
+    color_starts: [usize; 9],
+    /// Positions at which the list was built, in storage order.
+    reference: Vec<Vector>,
+    /// For each image the offset of r_i − r_j.
+    offsets: [Vector; 27],
+    builds: u64,
+}
+
+impl NeighborList {
+    /// An empty list for a box and a largest cutoff.
+    ///
+    /// # Errors
+    /// A box with a side below twice the list radius; a skin that is not positive.
+    pub fn new(region: &PeriodicBox, cutoff: f64, skin: f64) -> Result<Self, NeighborError> {
+        if !(skin > 0.0 && skin.is_finite()) {
+            return Err(NeighborError::Skin(skin));
+        }
+        let (side, smallest) = (region.shortest_side(), 2.0 * (cutoff + skin));
+        if side < smallest {
+            return Err(NeighborError::BoxTooSmall {
+                side,
+                smallest,
+                cutoff,
+                skin,
+            });
+        }
+        let grid = Grid::new(region, cutoff + skin);
+        let (order, color_starts) = grid.bricks_by_color();
+        let bricks = order
+            .into_iter()
+            .map(|coordinates| Brick {
+                coordinates,
+                ..Brick::default()
+            })
+            .collect();
+        Ok(Self {
+            grid,
+            cutoff,
+            skin,
+            bricks,
+            color_starts,
+            reference: Vec::new(),
+            offsets: region.image_offsets(),
+            builds: 0,
+        })
+    }
+
+    /// Whether a particle has moved so far since the last build that an unlisted pair might have come within the cutoff.
+    pub fn is_spent(&self, particles: &Particles, workers: Workers) -> bool {
+        self.reference.len() != particles.count() || self.largest_displacement(particles, workers) > 0.5 * self.skin
+    }
+
+    /// The longest way from the reference positions; infinite if a position isn't a number.
+    pub fn largest_displacement(&self, particles: &Particles, workers: Workers) -> f64 {
+        workers
+            .largest(particles.count(), |k| self.displacement_squared(particles, k))
+            .sqrt()
+    }
+
+    /// The squared way of the particle in place k since the last build.
+    pub fn displacement_squared(&self, particles: &Particles, k: usize) -> f64 {
+        let moved = subtract(particles.position[k], self.reference[k]);
+        dot(moved, moved)
+    }
+
+    /// Wraps the positions, sorts the particles by cell and id, and lists all pairs within the list radius.
+    ///
+    /// Positions must be finite.
+    pub fn build(&mut self, particles: &mut Particles, region: &PeriodicBox, workers: Workers) {
+        for (position, crossings) in particles.position.iter_mut().zip(&mut particles.crossings) {
+            region.wrap(position, crossings);
+        }
+        let cell_starts = self.sort_by_cell(particles);
+        let (grid, offsets, radius) = (&self.grid, &self.offsets, self.cutoff + self.skin);
+        let position = &particles.position;
+        let list = |brick: &mut Brick| list_pairs(brick, grid, &cell_starts, position, offsets, radius * radius);
+        match workers {
+            Workers::One => self.bricks.iter_mut().for_each(list),
+            Workers::Pool => self.bricks.par_iter_mut().for_each(list),
+        }
+        self.reference.clone_from(position);
+        self.builds += 1;
+    }
+
+    /// Sorts the particles by (cell, id); returns where each cell begins.
+    fn sort_by_cell(&self, particles: &mut Particles) -> Vec<u32> {
+        let count = particles.count();
+        let cell: Vec<u32> = particles
+            .position
+            .iter()
+            .map(|&x| self.grid.cell_of(x) as u32)
+            .collect();
+        let mut starts = vec![0u32; self.grid.cell_count() + 1];
+        cell.iter().for_each(|&c| starts[c as usize + 1] += 1);
+        for c in 0..self.grid.cell_count() {
+            starts[c + 1] += starts[c];
+        }
+        let mut next = starts.clone();
+        let mut order = vec![0u32; count];
+        for k in 0..count {
+            let place = &mut next[cell[k] as usize];
+            order[*place as usize] = k as u32;
+            *place += 1;
+        }
+        for pair in starts.windows(2) {
+            order[pair[0] as usize..pair[1] as usize].sort_unstable_by_key(|&k| particles.id[k as usize]);
+        }
+        particles.reorder(&order);
+        starts
+    }
+
+    /// Brings the contacts of every brick up to date with the positions.
+    pub fn update_contacts(&mut self, particles: &Particles, kinds: bool, workers: Workers) {
+        let (offsets, cutoff) = (&self.offsets, self.cutoff);
+        let update = |brick: &mut Brick| brick.contacts.update(&brick.listed, particles, offsets, cutoff, kinds);
+        match workers {
+            Workers::One => self.bricks.iter_mut().for_each(update),
+            Workers::Pool => self.bricks.par_iter_mut().for_each(update),
+        }
+    }
+
+    /// Calls `work` for every brick, color after color; bricks that are visited at the same time touch no common particle.
+    ///
+    /// Returns what `work` returned, in the order of the bricks.
+    pub(crate) fn sweep<T: Send>(&self, backward: bool, workers: Workers, work: impl Fn(&Brick) -> T + Sync) -> Vec<T> {
+        let mut results: Vec<Option<T>> = Vec::new();
+        results.resize_with(self.bricks.len(), || None);
+        for step in 0..8 {
+            let color = if backward { 7 - step } else { step };
+            let range = self.color_starts[color]..self.color_starts[color + 1];
+            let (bricks, results) = (&self.bricks[range.clone()], &mut results[range]);
+            match workers {
+                Workers::One => bricks
+                    .iter()
+                    .zip(results)
+                    .for_each(|(brick, result)| *result = Some(work(brick))),
+                Workers::Pool => {
+                    bricks
+                        .par_iter()
+                        .zip(results)
+                        .for_each(|(brick, result)| *result = Some(work(brick)));
+                }
+            }
+        }
+        results.into_iter().flatten().collect()
+    }
+
+    /// The bricks in the forward order of the sweep.
+    pub fn bricks(&self) -> &[Brick] {
+        &self.bricks
+    }
+
+    /// How many times the list was built.
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
+
+    /// The skin.
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+}
+
+fn list_pairs(
+    brick: &mut Brick,
+    grid: &Grid,
+    starts: &[u32],
+    position: &[Vector],
+    offsets: &[Vector; 27],
+    radius_squared: f64,
+) {
+    let listed = &mut brick.listed;
+    listed.clear();
+    grid.for_each_cell_pair(brick.coordinates, |here, there| {
+        let mine = starts[here.cell]..starts[here.cell + 1];
+        let (theirs, image) = match there {
+            Some(there) => (starts[there.cell]..starts[there.cell + 1], here.image_to(&there)),
+            None => (mine.clone(), PeriodicBox::image_index([0; 3])),
+        };
+        let offset = offsets[usize::from(image)];
+        for first in mine {
+            let from = if there.is_some() { theirs.start } else { first + 1 };
+            let x = position[first as usize];
+            let x = [x[0] + offset[0], x[1] + offset[1], x[2] + offset[2]];
+            for second in from..theirs.end {
+                let d = subtract(x, position[second as usize]);
+                if dot(d, d) < radius_squared {
+                    listed.push(ListedPair { first, second, image });
+                }
+            }
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,63 @@
+//! Sums over contacts that observables need; nothing here changes the state.
+
+use crate::domain::Workers;
+use crate::interactions::Interactions;
+use crate::neighbors::{Brick, NeighborList};
+use crate::state::Particles;
+use crate::vector::{Vector, dot, subtract};
+
+/// Sums over all pairs of the conservative laws.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PairSums {
+    /// U = Σ u(r).
+    pub potential_energy: f64,
+    /// W = Σ r f(r).
+    pub virial: f64,
+    /// ∇²U = Σ_i ∂²U/∂r_i² = −2 Σ_pairs [f'(r) + 2 f(r)/r].
+    pub laplacian: f64,
+}
+
+/// Potential energy, virial and Laplacian at the positions of the contacts.
+pub fn pair_sums(list: &NeighborList, interactions: &Interactions, workers: Workers) -> PairSums {
+    let parts = list.sweep(false, workers, |brick: &Brick| {
+        let contacts = &brick.contacts;
+        let mut sums = PairSums::default();
+        for (k, &r) in contacts.distance.iter().enumerate() {
+            if let Some(law) = interactions.potentials.entries()[contacts.kind(k)] {
+                let force = law.force(r);
+                sums.potential_energy += law.energy(r);
+                sums.virial += r * force;
+                sums.laplacian -= 2.0 * (law.force_derivative(r) + 2.0 * force / r);
+            }
+        }
+        sums
+    });
+    parts.into_iter().fold(PairSums::default(), |a, b| PairSums {
+        potential_energy: a.potential_energy + b.potential_energy,
+        virial: a.virial + b.virial,
+        laplacian: a.laplacian + b.laplacian,
+    })
+}
+
+/// G·(friction force) = −Σ_pairs Γ(r) (e·v_ij) e·(G_i − G_j) for a response G given in storage order.
+pub fn dissipative_flux(
+    list: &NeighborList,
+    interactions: &Interactions,
+    particles: &Particles,
+    response: &[Vector],
+    workers: Workers,
+) -> f64 {
+    let parts = list.sweep(false, workers, |brick: &Brick| {
+        let contacts = &brick.contacts;
+        let mut sum = 0.0;
+        for (k, (&r, &e)) in contacts.distance.iter().zip(&contacts.direction).enumerate() {
+            if let Some(law) = interactions.frictions.entries()[contacts.kind(k)] {
+                let (i, j) = (contacts.first[k] as usize, contacts.second[k] as usize);
+                let u = dot(e, subtract(particles.velocity(i), particles.velocity(j)));
+                sum -= law.strength(r) * u * dot(e, subtract(response[i], response[j]));
+            }
+        }
+        sum
+    });
+    parts.into_iter().sum()
+}

@@ -1,0 +1,117 @@
+//! One simulation: a system, an integrator, a driving and the noise of the run, moved on step by step.
+
+use crate::driving::{DrivenStep, Driving};
+use crate::forcing::ForcingError;
+use crate::integrate::{Integrator, Stroke};
+use crate::noise::NoiseKey;
+use crate::system::{SimulationError, System};
+
+/// A simulation that can't be set up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A forcing that the system can't take.
+    #[error(transparent)]
+    Forcing(#[from] ForcingError),
+    /// A driving with an integrator that has no letters.
+    #[error(
+        "a driven run needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act"
+    )]
+    DrivingNeedsWord,
+    /// A letter that can't say what Norton dynamics needs to book.
+    #[error("the letter '{0}' can't tell the expected part of its change of the flux: constant flux is refused")]
+    LetterCannotTell(char),
+}
+
+/// A simulation under way.
+#[derive(Debug)]
+pub struct Simulation {
+    /// The state.
+    pub system: System,
+    integrator: Integrator,
+    driving: Option<Box<dyn Driving>>,
+    noise: NoiseKey,
+    time_step: f64,
+}
+
+impl Simulation {
+    /// Brings the parts together and lets the driving prepare the state.
+    ///
+    /// # Errors
+    /// A driving that doesn't fit the integrator or the system.
+    pub fn new(
+        mut system: System,
+        integrator: Integrator,
+        mut driving: Option<Box<dyn Driving>>,
+        noise: NoiseKey,
+        time_step: f64,
+    ) -> Result<Self, SetupError> {
+        if let Some(driving) = &mut driving {
+            let Integrator::Splitting(schedule) = &integrator else {
+                return Err(SetupError::DrivingNeedsWord);
+            };
+            let mute = schedule
+                .entries()
+                .iter()
+                .find(|(letter, _)| !letter.tells_expected_flux());
+            if let (true, Some((letter, _))) = (driving.needs_expected_flux(), mute) {
+                return Err(SetupError::LetterCannotTell(letter.symbol()));
+            }
+            driving.begin(&mut system)?;
+        }
+        Ok(Self {
+            system,
+            integrator,
+            driving,
+            noise,
+            time_step,
+        })
+    }
+
+    /// One time step.
+    ///
+    /// Returns flux and forcing of the step where a driving acts.
+    ///
+    /// # Errors
+    /// A state that is no longer finite.
+    pub fn step(&mut self) -> Result<Option<DrivenStep>, SimulationError> {
+        match &mut self.integrator {
+            Integrator::VelocityVerlet(scheme) => scheme.step(&mut self.system, self.noise, self.time_step)?,
+            Integrator::Splitting(schedule) => {
+                let backward = schedule.backward(self.system.step);
+                for (place, (letter, share)) in schedule.entries().iter().enumerate() {
+                    let time = share * self.time_step;
+                    let response = self.driving.as_mut().and_then(|driving| driving.response(&self.system));
+                    let stroke = Stroke {
+                        time,
+                        place: place as u64,
+                        noise: self.noise,
+                        backward,
+                        response,
+                    };
+                    let change = letter.apply(&mut self.system, &stroke)?;
+                    if let Some(driving) = &mut self.driving {
+                        driving.after_letter(&mut self.system, letter.symbol(), time, change);
+                    }
+                }
+            }
+        }
+        self.system.step += 1;
+        let time_step = self.time_step;
+        Ok(self
+            .driving
+            .as_mut()
+            .map(|driving| driving.end_step(&self.system, time_step)))
+    }
+
+    /// Δt.
+    pub fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    /// λ(q, p) at the present state, where the driving holds a flux.
+    pub fn forcing_observable(&mut self) -> Option<f64> {
+        self.driving
+            .as_mut()
+            .and_then(|driving| driving.forcing_observable(&mut self.system))
+    }
+}

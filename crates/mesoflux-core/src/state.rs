@@ -1,0 +1,116 @@
+//! The particles: one column for each quantity, in storage order.
+//!
+//! Storage follows the sweep order of the neighbor list and changes when the list is rebuilt; a particle is known by its id.
+
+use crate::boundary::PeriodicBox;
+use crate::domain::Workers;
+use crate::vector::{Vector, ZERO, dot};
+
+/// The state of all particles. Columns have equal length; entry k of every column belongs to the same particle.
+#[derive(Debug, Clone, Default)]
+pub struct Particles {
+    /// Identity: 0 … N−1, once each.
+    pub id: Vec<u64>,
+    /// Index into the table of species.
+    pub species: Vec<u8>,
+    /// Position; inside the box when the list was built, wherever it has drifted to since.
+    pub position: Vec<Vector>,
+    /// How many box sides the particle has crossed along each axis, up to the last wrapping.
+    pub crossings: Vec<[i32; 3]>,
+    /// Momentum.
+    pub momentum: Vec<Vector>,
+    /// 1/m.
+    pub inverse_mass: Vec<f64>,
+    /// Further columns, registered by those who need them.
+    pub columns: Vec<Vec<Vector>>,
+}
+
+/// The name of a registered column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Column(usize);
+
+impl Particles {
+    /// Particles at rest at the given positions; `masses` by species.
+    pub fn at_rest(positions: Vec<Vector>, species: Vec<u8>, masses: &[f64]) -> Self {
+        let count = positions.len();
+        Self {
+            id: (0..count as u64).collect(),
+            inverse_mass: species.iter().map(|&s| 1.0 / masses[usize::from(s)]).collect(),
+            species,
+            position: positions,
+            crossings: vec![[0; 3]; count],
+            momentum: vec![ZERO; count],
+            columns: Vec::new(),
+        }
+    }
+
+    /// N.
+    pub fn count(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Adds a column of zeros that follows its particles through every reordering.
+    pub fn register_column(&mut self) -> Column {
+        self.columns.push(vec![ZERO; self.count()]);
+        Column(self.columns.len() - 1)
+    }
+
+    /// A registered column.
+    pub fn column(&self, column: Column) -> &[Vector] {
+        &self.columns[column.0]
+    }
+
+    /// A registered column, for writing.
+    pub fn column_mut(&mut self, column: Column) -> &mut Vec<Vector> {
+        &mut self.columns[column.0]
+    }
+
+    /// v = p/m of the particle in place k.
+    #[inline(always)]
+    pub fn velocity(&self, k: usize) -> Vector {
+        let (p, w) = (self.momentum[k], self.inverse_mass[k]);
+        [p[0] * w, p[1] * w, p[2] * w]
+    }
+
+    /// Puts the particle that is now in place `order[k]` into place k.
+    pub(crate) fn reorder(&mut self, order: &[u32]) {
+        fn permute<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
+            *column = order.iter().map(|&k| column[k as usize]).collect();
+        }
+        permute(&mut self.id, order);
+        permute(&mut self.species, order);
+        permute(&mut self.position, order);
+        permute(&mut self.crossings, order);
+        permute(&mut self.momentum, order);
+        permute(&mut self.inverse_mass, order);
+        for column in &mut self.columns {
+            permute(column, order);
+        }
+    }
+
+    /// Twice the kinetic energy, Σ p²/m.
+    pub fn twice_kinetic_energy(&self, workers: Workers) -> f64 {
+        workers.sum(self.count(), |k| {
+            dot(self.momentum[k], self.momentum[k]) * self.inverse_mass[k]
+        })
+    }
+
+    /// Σ p.
+    pub fn total_momentum(&self, workers: Workers) -> Vector {
+        std::array::from_fn(|axis| workers.sum(self.count(), |k| self.momentum[k][axis]))
+    }
+
+    /// Σ m.
+    pub fn total_mass(&self, workers: Workers) -> f64 {
+        workers.sum(self.count(), |k| 1.0 / self.inverse_mass[k])
+    }
+
+    /// Writes the positions, followed through all crossings, into a column ordered by id.
+    pub fn unwrapped_positions(&self, region: &PeriodicBox, by_id: &mut Vec<Vector>) {
+        by_id.clear();
+        by_id.resize(self.count(), ZERO);
+        for k in 0..self.count() {
+            by_id[self.id[k] as usize] = region.unwrap(self.position[k], self.crossings[k]);
+        }
+    }
+}

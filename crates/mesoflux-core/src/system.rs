@@ -1,0 +1,180 @@
+//! A system of particles with its box, laws and neighbor list: everything a letter can act on.
+
+use crate::boundary::PeriodicBox;
+use crate::domain::Workers;
+use crate::interactions::Interactions;
+use crate::neighbors::{NeighborError, NeighborList};
+use crate::pair::conservative_forces;
+use crate::state::Particles;
+use crate::vector::{Vector, ZERO, dot};
+
+/// A simulation that failed numerically.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// A particle's position stopped being a number, or it flew too far at once.
+    #[error(
+        "at step {step}: particle {particle} moved {distance} since the neighbor list was built (its speed is {speed}, the \
+         conservative force on it was {force}); must stay below half the shortest side of the box, {limit}. \
+         Likely cause: the time step is too large for the forces, or particles overlap at the start"
+    )]
+    Escaped {
+        /// The step, counted from the start of the run.
+        step: u64,
+        /// The particle's id.
+        particle: u64,
+        /// The way since the last list.
+        distance: f64,
+        /// |v|.
+        speed: f64,
+        /// |F|.
+        force: f64,
+        /// The longest way allowed.
+        limit: f64,
+    },
+}
+
+/// Particles, their box and their interactions.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// The particles.
+    pub particles: Particles,
+    /// The box.
+    pub region: PeriodicBox,
+    /// The laws.
+    pub interactions: Interactions,
+    /// How loops are spread over threads.
+    pub workers: Workers,
+    /// Steps done since the start of the run.
+    pub step: u64,
+    list: NeighborList,
+    force: Vec<Vector>,
+    contacts_current: bool,
+    forces_current: bool,
+    layout: u64,
+}
+
+impl System {
+    /// A system at its start.
+    ///
+    /// # Errors
+    /// A box too small for the laws' cutoffs and the skin; a skin that is not positive; positions that are no numbers.
+    pub fn new(
+        particles: Particles,
+        region: PeriodicBox,
+        interactions: Interactions,
+        skin: f64,
+        workers: Workers,
+    ) -> Result<Self, NeighborError> {
+        let list = NeighborList::new(&region, interactions.cutoff(), skin)?;
+        let force = vec![ZERO; particles.count()];
+        let mut system = Self {
+            particles,
+            region,
+            interactions,
+            workers,
+            step: 0,
+            list,
+            force,
+            contacts_current: false,
+            forces_current: false,
+            layout: 0,
+        };
+        system.rebuild();
+        Ok(system)
+    }
+
+    /// Must be called after positions changed: rebuilds the neighbor list where its skin is spent.
+    ///
+    /// # Errors
+    /// A particle that flew away, or whose position is no number.
+    pub fn positions_moved(&mut self) -> Result<(), SimulationError> {
+        self.contacts_current = false;
+        self.forces_current = false;
+        if self.list.is_spent(&self.particles, self.workers) {
+            let limit = 0.5 * self.region.shortest_side();
+            let distance = self.list.largest_displacement(&self.particles, self.workers);
+            if !(distance < limit) {
+                return Err(self.escaped(limit));
+            }
+            self.rebuild();
+        }
+        Ok(())
+    }
+
+    fn rebuild(&mut self) {
+        self.list.build(&mut self.particles, &self.region, self.workers);
+        self.contacts_current = false;
+        self.forces_current = false;
+        self.layout += 1;
+    }
+
+    /// Which particle went farthest, and how.
+    fn escaped(&self, limit: f64) -> SimulationError {
+        let way = |k: &usize| {
+            let squared = self.list.displacement_squared(&self.particles, *k);
+            if squared.is_nan() { f64::INFINITY } else { squared }
+        };
+        let k = (0..self.particles.count())
+            .max_by(|a, b| way(a).total_cmp(&way(b)))
+            .unwrap_or(0);
+        let norm = |v: Vector| dot(v, v).sqrt();
+        SimulationError::Escaped {
+            step: self.step,
+            particle: self.particles.id[k],
+            distance: way(&k).sqrt(),
+            speed: norm(self.particles.velocity(k)),
+            force: norm(self.force[k]),
+            limit,
+        }
+    }
+
+    /// The neighbor list with contacts at the present positions.
+    pub fn contacts(&mut self) -> &NeighborList {
+        self.update_contacts();
+        &self.list
+    }
+
+    fn update_contacts(&mut self) {
+        if !self.contacts_current {
+            self.list
+                .update_contacts(&self.particles, !self.interactions.single_kind(), self.workers);
+            self.contacts_current = true;
+        }
+    }
+
+    /// The list, the laws and the particles together, the contacts up to date.
+    pub fn with_contacts(&mut self) -> (&NeighborList, &Interactions, &mut Particles) {
+        self.update_contacts();
+        (&self.list, &self.interactions, &mut self.particles)
+    }
+
+    /// The neighbor list as it is.
+    pub fn list(&self) -> &NeighborList {
+        &self.list
+    }
+
+    /// The conservative forces at the present positions, computed if positions have changed since the last call.
+    pub fn update_forces(&mut self) {
+        if !self.forces_current {
+            self.update_contacts();
+            conservative_forces(&self.list, &self.interactions, &mut self.force, self.workers);
+            self.forces_current = true;
+        }
+    }
+
+    /// The conservative forces of the last `update_forces`, in storage order.
+    pub fn forces(&self) -> &[Vector] {
+        &self.force
+    }
+
+    /// A number that changes whenever the storage order of the particles does.
+    pub fn layout(&self) -> u64 {
+        self.layout
+    }
+
+    /// kT as the momenta have it: Σ p²/m over 3(N − 1) degrees of freedom, the total momentum being fixed.
+    pub fn kinetic_temperature(&self) -> f64 {
+        let degrees = 3.0 * (self.particles.count() as f64 - 1.0);
+        self.particles.twice_kinetic_energy(self.workers) / degrees
+    }
+}
