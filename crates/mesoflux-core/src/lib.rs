@@ -17,6 +17,7 @@ pub mod noise;
 pub mod observable;
 pub mod pair;
 pub mod potential;
+pub mod run;
 pub mod simulation;
 pub mod start;
 pub mod state;

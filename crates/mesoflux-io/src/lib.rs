@@ -1,1 +1,5 @@
-//! Input and result files of mesoflux.
+//! The files of mesoflux: what a run is asked (`input`) and what it answers (`results`, `directory`).
+
+pub mod directory;
+pub mod input;
+pub mod results;

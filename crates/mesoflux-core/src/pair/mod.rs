@@ -7,6 +7,9 @@ mod measure;
 mod scatter;
 mod thermostat;
 
+/// The name of the set of kernels. All sets give the same bits where they are named alike.
+pub const KERNEL: &str = "portable";
+
 pub use conservative::conservative_forces;
 pub use contacts::Contacts;
 pub use fused::{PairNoise, velocity_dependent_forces};

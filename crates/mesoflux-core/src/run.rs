@@ -1,0 +1,67 @@
+//! The driver of one run: equilibration, production, recorders at their cadence, and a word from outside at every step.
+
+use crate::driving::DrivenStep;
+use crate::simulation::Simulation;
+use crate::system::SimulationError;
+
+/// What a recorder sees after a step of production.
+#[derive(Debug)]
+pub struct Moment<'a> {
+    /// The simulation; reading observables may bring its forces up to date but changes no trajectory.
+    pub simulation: &'a mut Simulation,
+    /// Steps of production done.
+    pub step: u64,
+    /// Flux and forcing of the step just done, where a driving acts.
+    pub driven: Option<DrivenStep>,
+}
+
+/// Takes samples along the production run.
+pub trait Recorder: Send {
+    /// Looks at the state after every step of production; most recorders act only at their cadence.
+    fn observe(&mut self, moment: &mut Moment);
+}
+
+/// How long a run lasts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Length {
+    /// Steps before anything is recorded.
+    pub equilibration: u64,
+    /// Steps that are recorded.
+    pub production: u64,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// All steps were done.
+    Complete,
+    /// The supervisor stopped it.
+    Stopped,
+}
+
+/// Runs a simulation; `supervise` is told of every step done, and stops the run by answering `false`.
+///
+/// # Errors
+/// A state that is no longer finite.
+pub fn run(
+    simulation: &mut Simulation,
+    length: Length,
+    recorders: &mut [Box<dyn Recorder + '_>],
+    mut supervise: impl FnMut(&Simulation) -> bool,
+) -> Result<Ending, SimulationError> {
+    for step in 0..length.equilibration + length.production {
+        let driven = simulation.step()?;
+        if let Some(step) = (step + 1).checked_sub(length.equilibration).filter(|&step| step > 0) {
+            let mut moment = Moment {
+                simulation,
+                step,
+                driven,
+            };
+            recorders.iter_mut().for_each(|recorder| recorder.observe(&mut moment));
+        }
+        if !supervise(simulation) {
+            return Ok(Ending::Stopped);
+        }
+    }
+    Ok(Ending::Complete)
+}

@@ -1,0 +1,158 @@
+//! From the input's numbers to the engine's objects; defaults that follow from other numbers are derived here.
+
+use super::{Input, SpeciesInput};
+use mesoflux_core::boundary::PeriodicBox;
+use mesoflux_core::integrate::{Integrator, Schedule, VelocityVerlet, WordError};
+use mesoflux_core::interactions::{Interactions, PairTable};
+use mesoflux_core::vector::Vector;
+
+impl Input {
+    /// The species in the order of their names; one of mass 1 where none is named.
+    pub fn species(&self) -> Vec<(String, SpeciesInput)> {
+        if self.species.is_empty() {
+            return vec![("fluid".to_owned(), SpeciesInput::default())];
+        }
+        self.species
+            .iter()
+            .map(|(name, species)| (name.clone(), species.clone()))
+            .collect()
+    }
+
+    /// N, from whatever says it.
+    pub fn particles(&self) -> u64 {
+        let by_species = || {
+            self.species
+                .values()
+                .map(|species| species.particles)
+                .sum::<Option<u64>>()
+        };
+        let by_density = || Some((self.system.density? * self.system.sides?.iter().product::<f64>()).round() as u64);
+        self.system
+            .particles
+            .or_else(|| by_species().filter(|&n| n > 0))
+            .or_else(by_density)
+            .unwrap_or(0)
+    }
+
+    /// How many particles each species has.
+    pub fn species_counts(&self) -> Vec<usize> {
+        let species = self.species();
+        match species.as_slice() {
+            [(_, only)] => vec![only.particles.unwrap_or_else(|| self.particles()) as usize],
+            several => several
+                .iter()
+                .map(|(_, species)| species.particles.unwrap_or(0) as usize)
+                .collect(),
+        }
+    }
+
+    /// The masses in the order of the species.
+    pub fn masses(&self) -> Vec<f64> {
+        self.species().iter().map(|(_, species)| species.mass).collect()
+    }
+
+    /// The sides of the box: given, or a cube of the given density.
+    pub fn sides(&self) -> Vector {
+        self.system.sides.unwrap_or_else(|| {
+            let volume = self.particles() as f64 / self.system.density.unwrap_or(f64::NAN);
+            [volume.cbrt(); 3]
+        })
+    }
+
+    /// The box.
+    ///
+    /// # Errors
+    /// A side that is not positive and finite.
+    pub fn region(&self) -> Result<PeriodicBox, mesoflux_core::boundary::BoxError> {
+        PeriodicBox::new(self.sides())
+    }
+
+    /// All pair laws: those of `pair.all`, overridden where a pair of species says otherwise.
+    pub fn interactions(&self) -> Interactions {
+        let species = self.species();
+        let find = |a: usize, b: usize| {
+            let named = |x: &str, y: &str| self.pair.get(&format!("{x}-{y}"));
+            named(&species[a].0, &species[b].0).or_else(|| named(&species[b].0, &species[a].0))
+        };
+        let all = self.pair.get("all");
+        Interactions {
+            potentials: PairTable::from_fn(species.len(), |a, b| {
+                find(a, b)
+                    .and_then(|pair| pair.potential)
+                    .or_else(|| all?.potential)
+                    .flatten()
+            }),
+            frictions: PairTable::from_fn(species.len(), |a, b| {
+                find(a, b)
+                    .and_then(|pair| pair.friction)
+                    .or_else(|| all?.friction)
+                    .flatten()
+            }),
+            inverse_reduced_masses: PairTable::from_fn(species.len(), |a, b| {
+                1.0 / species[a].1.mass + 1.0 / species[b].1.mass
+            }),
+        }
+    }
+
+    /// How far the neighbor list sees beyond the largest cutoff r_c.
+    ///
+    /// If not given: what a thermal particle flies in twenty steps, kept within a tenth and three tenths of r_c, and no more
+    /// than the box allows as long as a twentieth of r_c is left. It follows from the input alone, never from timings.
+    pub fn skin(&self) -> f64 {
+        self.run.skin.unwrap_or_else(|| {
+            let cutoff = self.interactions().cutoff();
+            let lightest = self.masses().into_iter().fold(f64::INFINITY, f64::min);
+            let thermal_speed = (self.dynamics.temperature / lightest).sqrt();
+            let wanted = (20.0 * self.dynamics.time_step * thermal_speed).clamp(0.1 * cutoff, 0.3 * cutoff);
+            let room = 0.5 * self.sides().into_iter().fold(f64::INFINITY, f64::min) - cutoff;
+            // A whisker below what fits, so that rounding can't make the box too small for its own skin.
+            wanted.min((1.0 - 1e-12) * room).max(0.05 * cutoff)
+        })
+    }
+
+    /// The integrator that the input names.
+    ///
+    /// # Errors
+    /// A word that is none.
+    pub fn integrator(&self) -> Result<Integrator, WordError> {
+        let dynamics = &self.dynamics;
+        Ok(match &dynamics.velocity_verlet {
+            Some(scheme) => Integrator::VelocityVerlet(VelocityVerlet::new(dynamics.temperature, scheme.lambda)),
+            None => Integrator::Splitting(Schedule::new(
+                dynamics.word(),
+                dynamics.thermostat,
+                dynamics.temperature,
+                dynamics.sweep,
+            )?),
+        })
+    }
+
+    /// The number of steps nearest to a time.
+    pub fn steps(&self, time: f64) -> u64 {
+        (time / self.dynamics.time_step).round() as u64
+    }
+
+    /// The input with everything it left open filled in.
+    #[must_use]
+    pub fn with_defaults(&self) -> Self {
+        let mut input = self.clone();
+        input.system.particles = Some(self.particles());
+        input.system.sides = Some(self.sides());
+        input.system.density = Some(self.particles() as f64 / self.sides().iter().product::<f64>());
+        input.species = self.species().into_iter().collect();
+        for (species, count) in input.species.values_mut().zip(self.species_counts()) {
+            species.particles = Some(count as u64);
+        }
+        if input.dynamics.velocity_verlet.is_none() {
+            input.dynamics.word = Some(self.dynamics.word().to_owned());
+        }
+        input.run.skin = Some(self.skin());
+        for measure in input.measure.values_mut() {
+            measure.routes = measure.quantity.default_routes(&measure.routes);
+            if let Some(msd) = &mut measure.routes.msd {
+                msd.longest_lag = Some(msd.longest_lag(self.run.production_time));
+            }
+        }
+        input
+    }
+}

@@ -1,0 +1,87 @@
+//! Values that may be written in two ways: a law or "none", one number or several.
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::ser::{Serialize, Serializer};
+use std::fmt;
+use std::marker::PhantomData;
+
+/// Reads a law, or the word "none".
+pub(super) fn deserialize<'de, L: Deserialize<'de>, D: Deserializer<'de>>(
+    input: D,
+) -> Result<Option<Option<L>>, D::Error> {
+    struct LawOrNone<L>(PhantomData<L>);
+
+    impl<'de, L: Deserialize<'de>> Visitor<'de> for LawOrNone<L> {
+        type Value = Option<L>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a law such as `NAME = { … }`, or \"none\"")
+        }
+
+        fn visit_str<E: Error>(self, word: &str) -> Result<Self::Value, E> {
+            if word == "none" {
+                Ok(None)
+            } else {
+                Err(E::invalid_value(serde::de::Unexpected::Str(word), &self))
+            }
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            L::deserialize(MapAccessDeserializer::new(map)).map(Some)
+        }
+    }
+
+    input.deserialize_any(LawOrNone(PhantomData)).map(Some)
+}
+
+/// Writes a law, or the word "none".
+#[allow(clippy::ref_option, clippy::option_option, reason = "the signature serde asks for")]
+pub(super) fn serialize<L: Serialize, S: Serializer>(law: &Option<Option<L>>, output: S) -> Result<S::Ok, S::Error> {
+    match law {
+        Some(Some(law)) => law.serialize(output),
+        _ => output.serialize_str("none"),
+    }
+}
+
+/// One number, or an array of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Magnitudes(pub Vec<f64>);
+
+impl Serialize for Magnitudes {
+    fn serialize<S: Serializer>(&self, output: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(output)
+    }
+}
+
+impl<'de> Deserialize<'de> for Magnitudes {
+    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
+        struct OneOrSeveral;
+
+        impl<'de> Visitor<'de> for OneOrSeveral {
+            type Value = Magnitudes;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number or an array of numbers")
+            }
+
+            fn visit_f64<E: Error>(self, number: f64) -> Result<Magnitudes, E> {
+                Ok(Magnitudes(vec![number]))
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Magnitudes, E> {
+                Ok(Magnitudes(vec![number as f64]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut numbers: A) -> Result<Magnitudes, A::Error> {
+                let mut magnitudes = Vec::new();
+                while let Some(number) = numbers.next_element()? {
+                    magnitudes.push(number);
+                }
+                Ok(Magnitudes(magnitudes))
+            }
+        }
+
+        input.deserialize_any(OneOrSeveral)
+    }
+}

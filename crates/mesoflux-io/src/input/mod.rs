@@ -1,0 +1,280 @@
+//! The input file: tables of plain structs that are at once schema, defaults and documentation.
+
+mod build;
+mod choice;
+mod diagnostic;
+mod document;
+mod routes;
+mod sweep;
+mod validate;
+
+pub use choice::Magnitudes;
+pub use document::{InputError, InputFile, Setting};
+pub use sweep::{Point, Sweep};
+pub use validate::Invalid;
+
+use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::friction::Friction;
+use mesoflux_core::integrate::{SweepOrder, Thermostat};
+use mesoflux_core::potential::Potential;
+use mesoflux_core::start::Start;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Everything a user asks for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// What the run is about, for the reader of its results.
+    #[serde(default)]
+    pub title: String,
+    /// How many particles in which box.
+    pub system: SystemInput,
+    /// The species by name; one of mass 1 if none is named.
+    #[serde(default)]
+    pub species: BTreeMap<String, SpeciesInput>,
+    /// Pair laws: `all`, and overrides for pairs of species such as `A-B`.
+    #[serde(default)]
+    pub pair: BTreeMap<String, PairInput>,
+    /// Temperature, integrator and time step.
+    pub dynamics: DynamicsInput,
+    /// How long, how often, with which seed.
+    pub run: RunInput,
+    /// What to measure, by a name of the user's choice.
+    #[serde(default)]
+    pub measure: BTreeMap<String, MeasureInput>,
+    /// Values to try in turn: the path of a key, as in this file, with an array of values. Several keys give all combinations.
+    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
+    pub sweep: toml::Table,
+}
+
+/// `[system]`: two of particles, density and box decide the third; with the box left out it is a cube.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SystemInput {
+    /// N; may be left out where the species say how many they are.
+    #[serde(default)]
+    pub particles: Option<u64>,
+    /// ρ = N/V.
+    #[serde(default)]
+    pub density: Option<f64>,
+    /// The sides of the box.
+    #[serde(default, rename = "box")]
+    pub sides: Option<[f64; 3]>,
+    /// Where the particles start.
+    #[serde(default)]
+    pub start: Start,
+}
+
+/// `[species.NAME]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeciesInput {
+    /// m.
+    #[serde(default = "one")]
+    pub mass: f64,
+    /// How many particles are of this species; a single species takes all.
+    #[serde(default)]
+    pub particles: Option<u64>,
+}
+
+impl Default for SpeciesInput {
+    fn default() -> Self {
+        Self {
+            mass: 1.0,
+            particles: None,
+        }
+    }
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// `[pair.all]` or `[pair.A-B]`; "none" switches a law of `all` off.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairInput {
+    /// The conservative law.
+    #[serde(default, with = "choice", skip_serializing_if = "Option::is_none")]
+    pub potential: Option<Option<Potential>>,
+    /// The friction law.
+    #[serde(default, with = "choice", skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Option<Friction>>,
+}
+
+/// `[dynamics]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DynamicsInput {
+    /// kT.
+    pub temperature: f64,
+    /// Δt.
+    pub time_step: f64,
+    /// The splitting; "ABOBA" unless velocity Verlet is chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub word: Option<String>,
+    /// What the letter O stands for.
+    #[serde(default = "DynamicsInput::default_thermostat")]
+    pub thermostat: Thermostat,
+    /// The direction of the thermostat's sweep over the pairs.
+    #[serde(default)]
+    pub sweep: SweepOrder,
+    /// Groot and Warren's velocity Verlet in place of a word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_verlet: Option<VelocityVerletInput>,
+}
+
+impl DynamicsInput {
+    fn default_thermostat() -> Thermostat {
+        Thermostat::PairOrnsteinUhlenbeck
+    }
+
+    /// The splitting word in force where no velocity Verlet is chosen.
+    pub fn word(&self) -> &str {
+        self.word.as_deref().unwrap_or("ABOBA")
+    }
+}
+
+/// `dynamics.velocity_verlet`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityVerletInput {
+    /// λ: how far velocities are predicted.
+    #[serde(default = "VelocityVerletInput::default_lambda")]
+    pub lambda: f64,
+}
+
+impl VelocityVerletInput {
+    fn default_lambda() -> f64 {
+        0.5
+    }
+}
+
+/// `[run]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunInput {
+    /// The seed of all noise.
+    #[serde(default = "RunInput::default_seed")]
+    pub seed: u64,
+    /// Independent runs of everything.
+    #[serde(default = "RunInput::default_replicas")]
+    pub replicas: u64,
+    /// Time before anything is measured.
+    pub equilibration_time: f64,
+    /// Time during which is measured, in each replica.
+    pub production_time: f64,
+    /// How far the neighbor list sees beyond the largest cutoff; derived from time step and box if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skin: Option<f64>,
+    /// Steps between two samples of quantities that cost a pass over the pairs.
+    #[serde(default = "RunInput::default_sample_interval")]
+    pub sample_interval: u64,
+}
+
+impl RunInput {
+    fn default_seed() -> u64 {
+        1
+    }
+
+    fn default_replicas() -> u64 {
+        1
+    }
+
+    fn default_sample_interval() -> u64 {
+        10
+    }
+}
+
+/// `[measure.NAME]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasureInput {
+    /// What is wanted.
+    pub quantity: Quantity,
+    /// How the fluid is driven, for the routes that drive it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forcing: Option<ForcingKind>,
+    /// The ways to the quantity; several are a cross-check. A quantity with one way only needs none named.
+    #[serde(default)]
+    pub routes: RoutesInput,
+}
+
+/// Quantities that can be measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// kT from the momenta.
+    Temperature,
+    /// kT from the forces.
+    ConfigurationalTemperature,
+    /// The pressure.
+    Pressure,
+    /// The potential energy of the whole system.
+    PotentialEnergy,
+    /// The self-diffusion coefficient, as the box gives it.
+    DiffusionCoefficient,
+    /// The mobility, drift velocity over force.
+    Mobility,
+}
+
+/// `routes.…`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RoutesInput {
+    /// From the momenta.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kinetic: Option<Plain>,
+    /// From the forces.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub configurational: Option<Plain>,
+    /// From the virial.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub virial: Option<Plain>,
+    /// The potential energy itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direct: Option<Plain>,
+    /// From the mean squared displacement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub msd: Option<MeanSquaredDisplacementInput>,
+    /// By a constant force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nemd: Option<NemdInput>,
+    /// By a constant flux.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub norton: Option<NortonInput>,
+}
+
+/// A route without parameters.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plain {}
+
+/// `routes.msd`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeanSquaredDisplacementInput {
+    /// The longest time over which displacements are followed; a twentieth of the production time if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longest_lag: Option<f64>,
+}
+
+/// `routes.nemd`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NemdInput {
+    /// η, one number or several.
+    pub magnitude: Magnitudes,
+}
+
+/// `routes.norton`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NortonInput {
+    /// r, one number or several.
+    pub flux: Magnitudes,
+    /// Also average λ(q, p) of eq. 13 along the trajectory, an independent check of the booked multipliers.
+    #[serde(default)]
+    pub check_forcing_observable: bool,
+}

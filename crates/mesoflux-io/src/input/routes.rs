@@ -1,0 +1,71 @@
+//! Which routes lead to which quantity.
+
+use super::{MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput};
+
+impl Quantity {
+    /// The quantity's name in input and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Temperature => "temperature",
+            Self::ConfigurationalTemperature => "configurational_temperature",
+            Self::Pressure => "pressure",
+            Self::PotentialEnergy => "potential_energy",
+            Self::DiffusionCoefficient => "diffusion_coefficient",
+            Self::Mobility => "mobility",
+        }
+    }
+
+    /// The routes to the quantity, by their names in the input file.
+    pub fn routes(self) -> &'static [&'static str] {
+        match self {
+            Self::Temperature => &["kinetic"],
+            Self::ConfigurationalTemperature => &["configurational"],
+            Self::Pressure => &["virial"],
+            Self::PotentialEnergy => &["direct"],
+            Self::DiffusionCoefficient => &["msd"],
+            Self::Mobility => &["msd", "nemd", "norton"],
+        }
+    }
+
+    /// The routes asked for; where none is and there is but one, that one.
+    #[must_use]
+    pub fn default_routes(self, asked: &RoutesInput) -> RoutesInput {
+        let mut routes = asked.clone();
+        if routes.names().is_empty() {
+            match self {
+                Self::Temperature => routes.kinetic = Some(Plain {}),
+                Self::ConfigurationalTemperature => routes.configurational = Some(Plain {}),
+                Self::Pressure => routes.virial = Some(Plain {}),
+                Self::PotentialEnergy => routes.direct = Some(Plain {}),
+                Self::DiffusionCoefficient => routes.msd = Some(MeanSquaredDisplacementInput::default()),
+                Self::Mobility => {}
+            }
+        }
+        routes
+    }
+}
+
+impl RoutesInput {
+    /// The names of the routes that are asked for.
+    pub fn names(&self) -> Vec<&'static str> {
+        [
+            ("kinetic", self.kinetic.is_some()),
+            ("configurational", self.configurational.is_some()),
+            ("virial", self.virial.is_some()),
+            ("direct", self.direct.is_some()),
+            ("msd", self.msd.is_some()),
+            ("nemd", self.nemd.is_some()),
+            ("norton", self.norton.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(name, asked)| asked.then_some(name))
+        .collect()
+    }
+}
+
+impl MeanSquaredDisplacementInput {
+    /// The longest time over which displacements are followed.
+    pub fn longest_lag(&self, production_time: f64) -> f64 {
+        self.longest_lag.unwrap_or(production_time / 20.0)
+    }
+}

@@ -1,0 +1,385 @@
+//! What an input must fulfil beyond its form; each fault with the path, the value and the requirement.
+
+use super::{Input, MeasureInput, Quantity, RoutesInput};
+use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
+use mesoflux_core::potential::Requirement;
+use std::fmt::Display;
+
+/// A value that can't be.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Invalid {
+    /// Where the value stands: the dotted path of its key.
+    pub path: String,
+    /// The value, as a reader would write it; empty where it is missing.
+    pub value: String,
+    /// What is required.
+    pub requirement: String,
+    /// What might help.
+    pub help: Option<String>,
+}
+
+impl Invalid {
+    /// A fault of the value at a path.
+    pub fn new(path: impl Into<String>, value: impl Display, requirement: impl Display) -> Self {
+        Self {
+            path: path.into(),
+            value: value.to_string(),
+            requirement: requirement.to_string(),
+            help: None,
+        }
+    }
+
+    fn helped(mut self, help: Option<String>) -> Self {
+        self.help = help;
+        self
+    }
+}
+
+impl Display for Invalid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.value.as_str() {
+            "" => write!(f, "{}: {}", self.path, self.requirement),
+            value => write!(f, "{} = {value}: {}", self.path, self.requirement),
+        }
+    }
+}
+
+fn number(path: &str, value: f64, requirement: Requirement) -> Result<(), Invalid> {
+    if requirement.holds(value) {
+        Ok(())
+    } else {
+        Err(Invalid::new(path, value, requirement))
+    }
+}
+
+/// The most particles a system may have: places in a list are 32-bit numbers.
+const MOST_PARTICLES: u64 = u32::MAX as u64;
+
+impl Input {
+    /// Checks everything that the form alone doesn't guarantee.
+    pub(super) fn validate(&self) -> Result<(), Invalid> {
+        self.validate_species()?;
+        self.validate_system()?;
+        self.validate_pairs()?;
+        self.validate_dynamics()?;
+        self.validate_run()?;
+        self.measure
+            .iter()
+            .try_for_each(|(name, measure)| self.validate_measure(&format!("measure.{name}"), measure))
+    }
+
+    fn validate_species(&self) -> Result<(), Invalid> {
+        for (name, species) in &self.species {
+            let path = format!("species.{name}");
+            if name.contains('-') || name == "all" {
+                return Err(Invalid::new(
+                    path,
+                    "",
+                    "must be a name without '-' other than \"all\", so that pairs can be named",
+                ));
+            }
+            number(&format!("{path}.mass"), species.mass, Requirement::Positive)?;
+            if self.species.len() > 1 && species.particles.is_none() {
+                return Err(Invalid::new(
+                    path,
+                    "",
+                    "particles is missing: with several species each must say how many it has",
+                ));
+            }
+        }
+        if self.species.len() > 255 {
+            return Err(Invalid::new(
+                "species",
+                self.species.len(),
+                "must be at most 255 species",
+            ));
+        }
+        Ok(())
+    }
+
+    fn validate_system(&self) -> Result<(), Invalid> {
+        let system = &self.system;
+        if let Some(density) = system.density {
+            number("system.density", density, Requirement::Positive)?;
+        }
+        for (axis, &side) in system.sides.iter().flatten().enumerate() {
+            number(&format!("system.box.{axis}"), side, Requirement::Positive)?;
+        }
+        let counted: u64 = self.species.values().filter_map(|species| species.particles).sum();
+        match (system.particles, counted) {
+            (Some(particles), counted) if counted > 0 && particles != counted => {
+                let requirement = format!("must be the sum of the species' particles, {counted}");
+                return Err(Invalid::new("system.particles", particles, requirement));
+            }
+            _ => {}
+        }
+        let known = [
+            self.system.particles.is_some() || counted > 0,
+            system.density.is_some(),
+            system.sides.is_some(),
+        ];
+        match known.iter().filter(|&&known| known).count() {
+            0 | 1 => {
+                return Err(Invalid::new(
+                    "system",
+                    "",
+                    "must give two of particles, density and box",
+                ));
+            }
+            3 => {
+                return Err(Invalid::new(
+                    "system.density",
+                    system.density.unwrap_or(f64::NAN),
+                    "must be left out where particles and box are given: they decide it",
+                ));
+            }
+            _ => {}
+        }
+        let particles = self.particles();
+        if !(2..=MOST_PARTICLES).contains(&particles) {
+            return Err(Invalid::new(
+                "system.particles",
+                particles,
+                format!("must be between 2 and {MOST_PARTICLES}"),
+            ));
+        }
+        Ok(())
+    }
+
+    fn validate_pairs(&self) -> Result<(), Invalid> {
+        let species = self.species();
+        for (name, pair) in &self.pair {
+            let path = format!("pair.{name}");
+            if name != "all" {
+                let known = |part: &str| species.iter().any(|(name, _)| name == part);
+                match name.split_once('-') {
+                    Some((a, b)) if known(a) && known(b) => {
+                        if a != b && self.pair.contains_key(&format!("{b}-{a}")) {
+                            return Err(Invalid::new(
+                                path,
+                                "",
+                                format!("must be given once, here or as pair.{b}-{a}"),
+                            ));
+                        }
+                    }
+                    _ => {
+                        let names: Vec<&str> = species.iter().map(|(name, _)| name.as_str()).collect();
+                        let pairs = names.iter().flat_map(|a| names.iter().map(move |b| format!("{a}-{b}")));
+                        let known: Vec<String> = pairs.chain(["all".to_owned()]).collect();
+                        let nearest = super::diagnostic::nearest(name, known.iter().map(String::as_str));
+                        let requirement =
+                            format!("must be \"all\" or two species joined by '-', of {}", names.join(", "));
+                        return Err(Invalid::new(path, "", requirement)
+                            .helped(nearest.map(|n| format!("did you mean `pair.{n}`?"))));
+                    }
+                }
+            }
+            let potential = pair
+                .potential
+                .flatten()
+                .map(|law| ("potential", law_name(&law), law.parameters()));
+            let friction = pair
+                .friction
+                .flatten()
+                .map(|law| ("friction", law_name(&law), law.parameters()));
+            for (role, law, parameters) in potential.into_iter().chain(friction) {
+                for (parameter, value, requirement) in parameters {
+                    number(&format!("{path}.{role}.{law}.{parameter}"), value, requirement)?;
+                }
+            }
+        }
+        if self.interactions().cutoff() == 0.0 {
+            return Err(Invalid::new(
+                "pair",
+                "",
+                "must give at least one potential or friction, e.g. in [pair.all]",
+            ));
+        }
+        Ok(())
+    }
+
+    fn validate_dynamics(&self) -> Result<(), Invalid> {
+        let dynamics = &self.dynamics;
+        number("dynamics.temperature", dynamics.temperature, Requirement::Positive)?;
+        number("dynamics.time_step", dynamics.time_step, Requirement::Positive)?;
+        let without_friction = self.interactions().frictions.entries().iter().all(Option::is_none);
+        match (&dynamics.velocity_verlet, &dynamics.word) {
+            (Some(_), Some(word)) => {
+                return Err(Invalid::new(
+                    "dynamics.word",
+                    word,
+                    "must be left out where velocity_verlet is given",
+                ));
+            }
+            (Some(scheme), None) => {
+                if !(0.0..=1.0).contains(&scheme.lambda) {
+                    return Err(Invalid::new(
+                        "dynamics.velocity_verlet.lambda",
+                        scheme.lambda,
+                        "must be between 0 and 1",
+                    ));
+                }
+            }
+            (None, _) => {
+                if without_friction && dynamics.thermostat != mesoflux_core::integrate::Thermostat::None {
+                    return Err(Invalid::new(
+                        "dynamics.thermostat",
+                        "pair_ornstein_uhlenbeck",
+                        "needs a friction between some pair: give pair.all.friction, or thermostat = \"none\" with a word such as \"BAB\" for constant energy",
+                    ));
+                }
+                self.integrator()
+                    .map_err(|error| Invalid::new("dynamics.word", format!("{:?}", dynamics.word()), error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_run(&self) -> Result<(), Invalid> {
+        let run = &self.run;
+        number(
+            "run.equilibration_time",
+            run.equilibration_time,
+            Requirement::NotNegative,
+        )?;
+        number("run.production_time", run.production_time, Requirement::Positive)?;
+        if self.steps(run.production_time) == 0 {
+            let requirement = format!("must be at least one time step, {}", self.dynamics.time_step);
+            return Err(Invalid::new("run.production_time", run.production_time, requirement));
+        }
+        for (path, time) in [
+            ("run.equilibration_time", run.equilibration_time),
+            ("run.production_time", run.production_time),
+        ] {
+            if time / self.dynamics.time_step > 2f64.powi(47) {
+                return Err(Invalid::new(path, time, "must be at most 2^47 time steps"));
+            }
+        }
+        for (path, value) in [
+            ("run.replicas", run.replicas),
+            ("run.sample_interval", run.sample_interval),
+        ] {
+            if value == 0 {
+                return Err(Invalid::new(path, value, "must be at least 1"));
+            }
+        }
+        if let Some(skin) = run.skin {
+            number("run.skin", skin, Requirement::Positive)?;
+        }
+        let region = self
+            .region()
+            .map_err(|error| Invalid::new("system.density", self.system.density.unwrap_or(f64::NAN), error))?;
+        let (cutoff, skin, side) = (self.interactions().cutoff(), self.skin(), region.shortest_side());
+        let smallest = 2.0 * (cutoff + skin);
+        if side < smallest {
+            let path = if self.system.sides.is_some() {
+                "system.box"
+            } else {
+                "system"
+            };
+            let requirement = format!(
+                "the shortest side of the box is {side}, must be at least {smallest}: twice the list radius \
+                 (largest cutoff {cutoff} plus skin {skin}), so that no pair meets in two images"
+            );
+            return Err(Invalid::new(path, "", requirement));
+        }
+        Ok(())
+    }
+
+    fn validate_measure(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
+        let routes = measure.quantity.default_routes(&measure.routes);
+        let given = routes.names();
+        let allowed = measure.quantity.routes();
+        if given.is_empty() {
+            return Err(Invalid::new(
+                path,
+                "",
+                format!("must name at least one of the routes {}", allowed.join(", ")),
+            ));
+        }
+        for route in &given {
+            if !allowed.contains(route) {
+                let requirement = format!("is no way to this quantity: must be one of {}", allowed.join(", "));
+                return Err(Invalid::new(format!("{path}.routes.{route}"), "", requirement));
+            }
+        }
+        let laws = self.interactions();
+        let refused =
+            |error: mesoflux_core::observable::ObservableError| Invalid::new(format!("{path}.quantity"), "", error);
+        match measure.quantity {
+            Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
+            Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
+            _ => {}
+        }
+        if let Some(lag) = routes.msd.as_ref().and_then(|msd| msd.longest_lag) {
+            number(&format!("{path}.routes.msd.longest_lag"), lag, Requirement::Positive)?;
+            if lag > self.run.production_time {
+                return Err(Invalid::new(
+                    format!("{path}.routes.msd.longest_lag"),
+                    lag,
+                    format!("must be at most the production time, {}", self.run.production_time),
+                ));
+            }
+        }
+        self.validate_driving(path, measure, &routes)
+    }
+
+    fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {
+        let magnitudes = routes
+            .nemd
+            .as_ref()
+            .map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
+        let fluxes = routes
+            .norton
+            .as_ref()
+            .map(|norton| ("routes.norton.flux", &norton.flux));
+        for (key, values) in magnitudes.into_iter().chain(fluxes) {
+            let Some(forcing) = measure.forcing else {
+                return Err(Invalid::new(
+                    path,
+                    "",
+                    format!("forcing is missing: {key} needs one, e.g. forcing = \"color_drift\""),
+                ));
+            };
+            if self.dynamics.velocity_verlet.is_some() {
+                return Err(Invalid::new(
+                    format!("{path}.{key}"),
+                    "",
+                    "needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act",
+                ));
+            }
+            forcing
+                .forcing(self.particles() as usize)
+                .map_err(|error| Invalid::new(format!("{path}.forcing"), "", error))?;
+            if values.0.is_empty() {
+                return Err(Invalid::new(
+                    format!("{path}.{key}"),
+                    "[]",
+                    "must hold at least one number",
+                ));
+            }
+            for (index, &value) in values.0.iter().enumerate() {
+                let place = if values.0.len() > 1 {
+                    format!("{path}.{key}.{index}")
+                } else {
+                    format!("{path}.{key}")
+                };
+                if !value.is_finite() || value == 0.0 {
+                    return Err(Invalid::new(place, value, "must be finite and not zero"));
+                }
+                if values.0[..index].contains(&value) {
+                    return Err(Invalid::new(place, value, "must not be given twice"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The name of a law in the input file.
+fn law_name(law: &impl serde::Serialize) -> String {
+    match toml::Value::try_from(law) {
+        Ok(toml::Value::Table(table)) => table.keys().next().cloned().unwrap_or_default(),
+        _ => String::new(),
+    }
+}

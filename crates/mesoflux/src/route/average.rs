@@ -1,0 +1,66 @@
+//! Averages of instantaneous quantities over an equilibrium run.
+
+use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use mesoflux_analysis::{AnalysisError, Blocking};
+use mesoflux_core::observable::Thermodynamics;
+use mesoflux_core::run::{Moment, Recorder};
+use mesoflux_io::input::Input;
+
+/// The time average of what `read` takes from the thermodynamic state.
+pub(super) struct Average {
+    pub method: &'static str,
+    pub read: fn(&Thermodynamics) -> f64,
+}
+
+impl Route for Average {
+    fn method(&self) -> &'static str {
+        self.method
+    }
+
+    fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
+        let read = self.read;
+        StateRecorder::boxed(input, 1, move |state| vec![read(state)])
+    }
+
+    fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+        Ok(Outcome::of(records[0].series()?.estimate()))
+    }
+}
+
+/// Records a vector read from the thermodynamic state at every sample.
+pub(super) struct StateRecorder<F> {
+    interval: u64,
+    read: F,
+    series: Blocking,
+    failure: Option<AnalysisError>,
+}
+
+impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send + 'static> StateRecorder<F> {
+    pub(super) fn boxed(input: &Input, components: usize, read: F) -> Result<Box<dyn RouteRecorder>, RouteError> {
+        let series = Blocking::new(components)?;
+        Ok(Box::new(Self {
+            interval: input.run.sample_interval,
+            read,
+            series,
+            failure: None,
+        }))
+    }
+}
+
+impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send> Recorder for StateRecorder<F> {
+    fn observe(&mut self, moment: &mut Moment) {
+        if moment.step % self.interval == 0 {
+            let state = Thermodynamics::of(&mut moment.simulation.system);
+            self.failure = self.failure.take().or(self.series.record(&(self.read)(&state)).err());
+        }
+    }
+}
+
+impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send> RouteRecorder for StateRecorder<F> {
+    fn finish(self: Box<Self>) -> Result<Record, RouteError> {
+        match self.failure {
+            Some(failure) => Err(failure.into()),
+            None => Ok(Record::Series(self.series)),
+        }
+    }
+}

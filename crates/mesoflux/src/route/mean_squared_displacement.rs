@@ -1,0 +1,103 @@
+//! Diffusion and mobility from the mean squared displacement of an equilibrium run.
+
+use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use mesoflux_analysis::{AnalysisError, MeanSquaredDisplacement};
+use mesoflux_core::run::{Moment, Recorder};
+use mesoflux_core::vector::Vector;
+use mesoflux_io::input::{Input, MeanSquaredDisplacementInput};
+use mesoflux_io::results::Conditions;
+
+/// Lags between zero and the longest one at which the displacement is measured.
+const LAGS: u64 = 32;
+
+/// D from the slope of the curve, or the mobility α = βD N/(N − 1).
+///
+/// The response of the driven routes counts velocities relative to the rest of a system at rest: with total momentum zero,
+/// Σ F_i = 0 and |F| = 1 give ⟨R(0) R(t)⟩ = N/(N − 1) times the autocorrelation of one particle's velocity component.
+pub(super) struct MeanSquaredDisplacementRoute {
+    pub parameters: MeanSquaredDisplacementInput,
+    pub mobility: bool,
+}
+
+impl MeanSquaredDisplacementRoute {
+    /// Steps between two configurations: the longest lag in `LAGS` parts, rounded to whole steps.
+    fn spacing(&self, input: &Input) -> u64 {
+        (input.steps(self.parameters.longest_lag(input.run.production_time)) / LAGS).max(1)
+    }
+}
+
+impl Route for MeanSquaredDisplacementRoute {
+    fn method(&self) -> &'static str {
+        "msd"
+    }
+
+    fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
+        let interval = self.spacing(input);
+        let spacing = interval as f64 * input.dynamics.time_step;
+        let displacement = MeanSquaredDisplacement::new(input.particles() as usize, LAGS as usize, spacing)?;
+        Ok(Box::new(DisplacementRecorder {
+            interval,
+            displacement,
+            positions: Vec::new(),
+            failure: None,
+        }))
+    }
+
+    fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+        let [Record::Displacement(displacement)] = records else {
+            return Err(RouteError::WrongRecord);
+        };
+        let diffusion = displacement.diffusion_coefficient();
+        let particles = input.particles() as f64;
+        let factor = particles / (particles - 1.0) / input.dynamics.temperature;
+        let estimate = if self.mobility {
+            diffusion.estimate.scaled(factor)
+        } else {
+            diffusion.estimate
+        };
+        let mut conditions = Conditions::new();
+        if let Some((from, to)) = diffusion.window {
+            conditions.insert("fit_from".to_owned(), from.into());
+            conditions.insert("fit_to".to_owned(), to.into());
+        }
+        let rows = displacement
+            .curve()
+            .into_iter()
+            .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
+        let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
+        Ok(Outcome {
+            estimate,
+            conditions,
+            table: Some((header, rows.collect())),
+        })
+    }
+}
+
+/// Follows the unwrapped positions.
+struct DisplacementRecorder {
+    interval: u64,
+    displacement: MeanSquaredDisplacement,
+    positions: Vec<Vector>,
+    failure: Option<AnalysisError>,
+}
+
+impl Recorder for DisplacementRecorder {
+    fn observe(&mut self, moment: &mut Moment) {
+        if moment.step % self.interval == 0 {
+            let system = &moment.simulation.system;
+            system
+                .particles
+                .unwrapped_positions(&system.region, &mut self.positions);
+            self.failure = self.failure.take().or(self.displacement.record(&self.positions).err());
+        }
+    }
+}
+
+impl RouteRecorder for DisplacementRecorder {
+    fn finish(self: Box<Self>) -> Result<Record, RouteError> {
+        match self.failure {
+            Some(failure) => Err(failure.into()),
+            None => Ok(Record::Displacement(self.displacement)),
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Routes: ways from runs to a coefficient, one file each. A route states the runs it needs and turns their records into an estimate.
+
+mod average;
+mod configurational;
+mod mean_squared_displacement;
+mod nemd;
+mod norton;
+mod record;
+
+pub use record::{DrivenRecorder, Record};
+
+use mesoflux_analysis::{AnalysisError, Estimate};
+use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::run::Recorder;
+use mesoflux_io::input::{Input, MeasureInput, Quantity};
+use mesoflux_io::results::Conditions;
+
+/// How a run is driven; runs that agree in it are the same run, whichever routes ask for them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RunKind {
+    /// Not at all.
+    Equilibrium,
+    /// By a constant force η.
+    Nemd {
+        /// What is pushed.
+        forcing: ForcingKind,
+        /// η.
+        magnitude: f64,
+    },
+    /// At a constant flux r.
+    Norton {
+        /// What is pushed.
+        forcing: ForcingKind,
+        /// r.
+        flux: f64,
+    },
+}
+
+impl RunKind {
+    /// The route's name in the results.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Equilibrium => "equilibrium",
+            Self::Nemd { .. } => "nemd",
+            Self::Norton { .. } => "norton",
+        }
+    }
+
+    /// The driving's strength, for the results.
+    pub fn point(&self) -> Conditions {
+        match *self {
+            Self::Equilibrium => Conditions::new(),
+            Self::Nemd { magnitude, .. } => Conditions::from([("magnitude".to_owned(), magnitude.into())]),
+            Self::Norton { flux, .. } => Conditions::from([("flux".to_owned(), flux.into())]),
+        }
+    }
+
+    /// Numbers that tell this kind of run from all others; part of its noise key.
+    ///
+    /// The strength itself enters, not its place in a list: a list that grows leaves the runs of its old entries as they were.
+    pub fn identity(&self) -> [u64; 3] {
+        match *self {
+            Self::Equilibrium => [0, 0, 0],
+            Self::Nemd { forcing, magnitude } => [1, forcing as u64, magnitude.to_bits()],
+            Self::Norton { forcing, flux } => [2, forcing as u64, flux.to_bits()],
+        }
+    }
+}
+
+/// A route that cannot record or estimate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RouteError {
+    /// The estimator refused.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// A record of another kind than the route's own.
+    #[error("the record of a run is not of the kind that the route takes")]
+    WrongRecord,
+}
+
+/// What an estimate says beside its number.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Value, error, warnings.
+    pub estimate: Estimate,
+    /// What was measured beside, or chosen: fit window, temperature, linearity.
+    pub conditions: Conditions,
+    /// A table to write beside the results: header with units, and rows.
+    pub table: Option<(Vec<&'static str>, Vec<Vec<f64>>)>,
+}
+
+impl Outcome {
+    /// An estimate alone.
+    pub fn of(estimate: Estimate) -> Self {
+        Self {
+            estimate,
+            conditions: Conditions::new(),
+            table: None,
+        }
+    }
+}
+
+/// A recorder that can be turned into its record.
+pub trait RouteRecorder: Recorder {
+    /// What was recorded.
+    fn finish(self: Box<Self>) -> Result<Record, RouteError>;
+}
+
+/// A way from runs to a quantity.
+pub trait Route: Send + Sync {
+    /// The method's name in the results.
+    fn method(&self) -> &'static str;
+
+    /// The runs it needs.
+    fn runs(&self) -> Vec<RunKind> {
+        vec![RunKind::Equilibrium]
+    }
+
+    /// A recorder for one replica of one of its runs.
+    ///
+    /// # Errors
+    /// Parameters that the estimator refuses.
+    fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError>;
+
+    /// The estimate from the records of its runs, in their order, the replicas of each merged.
+    ///
+    /// # Errors
+    /// Records that the estimator refuses.
+    fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError>;
+}
+
+/// The routes that a measurement asks for.
+pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
+    let asked = measure.quantity.default_routes(&measure.routes);
+    let mut routes: Vec<Box<dyn Route>> = Vec::new();
+    if asked.kinetic.is_some() {
+        routes.push(Box::new(average::Average {
+            method: "kinetic",
+            read: |state| state.kinetic_temperature,
+        }));
+    }
+    if asked.virial.is_some() {
+        routes.push(Box::new(average::Average {
+            method: "virial",
+            read: |state| state.pressure,
+        }));
+    }
+    if asked.direct.is_some() {
+        routes.push(Box::new(average::Average {
+            method: "direct",
+            read: |state| state.potential_energy,
+        }));
+    }
+    if asked.configurational.is_some() {
+        routes.push(Box::new(configurational::Configurational));
+    }
+    if let Some(msd) = asked.msd {
+        let mobility = measure.quantity == Quantity::Mobility;
+        routes.push(Box::new(mean_squared_displacement::MeanSquaredDisplacementRoute {
+            parameters: msd,
+            mobility,
+        }));
+    }
+    if let (Some(nemd), Some(forcing)) = (asked.nemd, measure.forcing) {
+        routes.push(Box::new(nemd::Nemd {
+            forcing,
+            magnitudes: nemd.magnitude.0,
+        }));
+    }
+    if let (Some(norton), Some(forcing)) = (asked.norton, measure.forcing) {
+        routes.push(Box::new(norton::Norton {
+            forcing,
+            fluxes: norton.flux.0,
+            check_forcing_observable: norton.check_forcing_observable,
+        }));
+    }
+    routes
+}

@@ -1,0 +1,107 @@
+//! Mobility by nonequilibrium molecular dynamics: the flux that a constant force drives (Wu & Shang, eqs 8, 9).
+
+use super::{DrivenRecorder, Outcome, Record, Route, RouteError, RouteRecorder, RunKind};
+use mesoflux_analysis::{Estimate, OrderChoice, ResponseCurve, ResponsePoint, fit_response};
+use mesoflux_core::forcing::ForcingKind;
+use mesoflux_io::input::Input;
+use mesoflux_io::results::Conditions;
+
+/// α from R(η) = αη + βη³ + …; with one magnitude α = R/η.
+pub(super) struct Nemd {
+    pub forcing: ForcingKind,
+    pub magnitudes: Vec<f64>,
+}
+
+impl Route for Nemd {
+    fn method(&self) -> &'static str {
+        "nemd"
+    }
+
+    fn runs(&self) -> Vec<RunKind> {
+        self.magnitudes
+            .iter()
+            .map(|&magnitude| RunKind::Nemd {
+                forcing: self.forcing,
+                magnitude,
+            })
+            .collect()
+    }
+
+    fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
+        Ok(Box::new(DrivenRecorder::new(input.run.sample_interval, false)?))
+    }
+
+    fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+        let responses = component(records, DrivenRecorder::FLUX)?;
+        let Some(points) = points(&self.magnitudes, &responses) else {
+            return Ok(Outcome::of(Estimate::unknown(
+                "cannot tell: too few samples of the flux for an error; run longer",
+            )));
+        };
+        let curve = fit_response(&points, OrderChoice::default())?;
+        let mut conditions = driven_conditions(records, &curve)?;
+        if let [magnitude] = self.magnitudes[..] {
+            conditions.insert("magnitude".to_owned(), magnitude.into());
+        }
+        let header = vec![
+            "magnitude [f]",
+            "flux [v]",
+            "standard_error [v]",
+            "kinetic_temperature [e]",
+        ];
+        let table = Some((header, rows(&points, records)?));
+        Ok(Outcome {
+            estimate: curve.coefficient,
+            conditions,
+            table,
+        })
+    }
+}
+
+/// The estimate of one component from each record.
+pub(super) fn component(records: &[Record], index: usize) -> Result<Vec<Estimate>, RouteError> {
+    records
+        .iter()
+        .map(|record| Ok(record.series()?.component(index)))
+        .collect()
+}
+
+/// Points of the response curve; `None` if one has no error.
+pub(super) fn points(strengths: &[f64], responses: &[Estimate]) -> Option<Vec<ResponsePoint>> {
+    strengths
+        .iter()
+        .zip(responses)
+        .map(|(&x, response)| ResponsePoint::new(x, response))
+        .collect()
+}
+
+/// The rows of the response curve's table.
+pub(super) fn rows(points: &[ResponsePoint], records: &[Record]) -> Result<Vec<Vec<f64>>, RouteError> {
+    let temperatures = component(records, DrivenRecorder::TEMPERATURE)?;
+    let row = |(point, temperature): (&ResponsePoint, Estimate)| {
+        vec![point.x, point.y, point.standard_error, temperature.value.unwrap_or(0.0)]
+    };
+    Ok(points.iter().zip(temperatures).map(row).collect())
+}
+
+/// What every driven estimate carries: the temperatures measured beside, and whether the response is linear.
+pub(super) fn driven_conditions(records: &[Record], curve: &ResponseCurve) -> Result<Conditions, RouteError> {
+    let mut conditions = Conditions::new();
+    let temperatures = component(records, DrivenRecorder::TEMPERATURE)?;
+    let hottest = temperatures
+        .iter()
+        .filter_map(|estimate| estimate.value)
+        .fold(f64::NEG_INFINITY, f64::max);
+    if hottest.is_finite() {
+        conditions.insert("highest_kinetic_temperature".to_owned(), hottest.into());
+    }
+    if let Some(linear) = curve.linear {
+        conditions.insert("linear".to_owned(), linear.into());
+        conditions.insert("fitted_powers".to_owned(), curve.order().into());
+    }
+    if let (Some(value), Some(error)) = (curve.nonlinearity.value, curve.nonlinearity.standard_error) {
+        conditions.insert("nonlinearity".to_owned(), value.into());
+        conditions.insert("nonlinearity_standard_error".to_owned(), error.into());
+    }
+    Ok(conditions)
+}

@@ -1,0 +1,111 @@
+//! What a run leaves for the estimators: accumulators of bounded size that replicas merge into.
+
+use super::{RouteError, RouteRecorder};
+use mesoflux_analysis::{AnalysisError, Blocking, MeanSquaredDisplacement};
+use mesoflux_core::driving::DrivenStep;
+use mesoflux_core::run::{Moment, Recorder};
+
+/// The record of a run, or of several replicas merged.
+#[derive(Debug, Clone)]
+pub enum Record {
+    /// A vector-valued series.
+    Series(Blocking),
+    /// Mean squared displacements.
+    Displacement(MeanSquaredDisplacement),
+}
+
+impl Record {
+    /// Adds the record of another replica.
+    ///
+    /// # Errors
+    /// Records of different kinds.
+    pub fn merge(&mut self, other: &Self) -> Result<(), RouteError> {
+        match (self, other) {
+            (Self::Series(mine), Self::Series(theirs)) => Ok(mine.merge(theirs)?),
+            (Self::Displacement(mine), Self::Displacement(theirs)) => Ok(mine.merge(theirs)?),
+            _ => Err(RouteError::WrongRecord),
+        }
+    }
+
+    /// The series, for a route that records one.
+    ///
+    /// # Errors
+    /// Another kind of record.
+    pub fn series(&self) -> Result<&Blocking, RouteError> {
+        match self {
+            Self::Series(series) => Ok(series),
+            Self::Displacement(_) => Err(RouteError::WrongRecord),
+        }
+    }
+}
+
+/// Records flux, forcing, kinetic temperature and, if asked, λ(q, p), averaged over the sample interval where cheap.
+#[derive(Debug)]
+pub struct DrivenRecorder {
+    interval: u64,
+    forcing_observable: bool,
+    sum: DrivenStep,
+    series: Blocking,
+    failure: Option<AnalysisError>,
+}
+
+impl DrivenRecorder {
+    /// Place of the flux R in the series.
+    pub const FLUX: usize = 0;
+    /// Place of the forcing η or λ.
+    pub const FORCING: usize = 1;
+    /// Place of the kinetic temperature.
+    pub const TEMPERATURE: usize = 2;
+    /// Place of λ(q, p).
+    pub const OBSERVABLE: usize = 3;
+
+    /// A recorder that averages over `interval` steps.
+    ///
+    /// # Errors
+    /// None that can be met.
+    pub fn new(interval: u64, forcing_observable: bool) -> Result<Self, RouteError> {
+        let components = if forcing_observable { 4 } else { 3 };
+        let sum = DrivenStep {
+            flux: 0.0,
+            forcing: 0.0,
+        };
+        Ok(Self {
+            interval,
+            forcing_observable,
+            sum,
+            series: Blocking::new(components)?,
+            failure: None,
+        })
+    }
+}
+
+impl Recorder for DrivenRecorder {
+    fn observe(&mut self, moment: &mut Moment) {
+        if let Some(step) = moment.driven {
+            self.sum.flux += step.flux;
+            self.sum.forcing += step.forcing;
+        }
+        if moment.step % self.interval == 0 {
+            let scale = 1.0 / self.interval as f64;
+            let temperature = moment.simulation.system.kinetic_temperature();
+            let mut sample = vec![self.sum.flux * scale, self.sum.forcing * scale, temperature];
+            if self.forcing_observable {
+                sample.push(moment.simulation.forcing_observable().unwrap_or(f64::NAN));
+            }
+            self.failure = self.failure.take().or(self.series.record(&sample).err());
+            self.sum = DrivenStep {
+                flux: 0.0,
+                forcing: 0.0,
+            };
+        }
+    }
+}
+
+impl RouteRecorder for DrivenRecorder {
+    fn finish(self: Box<Self>) -> Result<Record, RouteError> {
+        match self.failure {
+            Some(failure) => Err(failure.into()),
+            None => Ok(Record::Series(self.series)),
+        }
+    }
+}
