@@ -15,26 +15,17 @@ pub struct Failure {
 impl Failure {
     /// The command line or a mutation file is wrong: exit code 2.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            code: 2,
-        }
+        Self { message: message.into(), code: 2 }
     }
 
     /// The task ran and did not succeed: exit code 1.
     pub fn task(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            code: 1,
-        }
+        Self { message: message.into(), code: 1 }
     }
 
     /// A file or directory could not be read or written: exit code 4.
     pub fn file(path: &Path, error: &std::io::Error) -> Self {
-        Self {
-            message: format!("{}: {error}", path.display()),
-            code: 4,
-        }
+        Self { message: format!("{}: {error}", path.display()), code: 4 }
     }
 }
 

@@ -39,13 +39,7 @@ fn nearest<'a>(given: &str, known: &[&'a str]) -> Vec<&'a str> {
     let limit = given.chars().count() / 3 + 1;
     let mut near: Vec<(usize, &str)> = known
         .iter()
-        .map(|name| {
-            if name.starts_with(given) {
-                (0, *name)
-            } else {
-                (edit_distance(given, name), *name)
-            }
-        })
+        .map(|name| if name.starts_with(given) { (0, *name) } else { (edit_distance(given, name), *name) })
         .filter(|(distance, _)| *distance <= limit)
         .collect();
     near.sort_unstable();
@@ -81,15 +75,9 @@ mod tests {
 
     #[test]
     fn a_mistyped_task_is_answered_with_the_nearest() {
-        assert_eq!(
-            unknown("task", "mutte", &TASKS),
-            "no task `mutte`; did you mean mutate?"
-        );
+        assert_eq!(unknown("task", "mutte", &TASKS), "no task `mutte`; did you mean mutate?");
         assert_eq!(unknown("task", "mut", &TASKS), "no task `mut`; did you mean mutate?");
-        assert_eq!(
-            unknown("task", "paint", &TASKS),
-            "no task `paint`; there are: test, mutate, help"
-        );
+        assert_eq!(unknown("task", "paint", &TASKS), "no task `paint`; there are: test, mutate, help");
     }
 
     #[test]

@@ -28,10 +28,7 @@ pub fn run(command: &mut Command, log: &Path, limit: Option<Duration>) -> io::Re
     let mut file = OpenOptions::new().create(true).append(true).read(true).open(log)?;
     writeln!(file, "$ {}", as_typed(command))?;
     let begin_of_output = file.seek(SeekFrom::End(0))?;
-    command
-        .stdin(Stdio::null())
-        .stdout(file.try_clone()?)
-        .stderr(file.try_clone()?);
+    command.stdin(Stdio::null()).stdout(file.try_clone()?).stderr(file.try_clone()?);
     let mut child = command.spawn()?;
     let ending = match limit {
         None => Ending::Exited(child.wait()?),
@@ -49,10 +46,7 @@ pub fn run(command: &mut Command, log: &Path, limit: Option<Duration>) -> io::Re
 /// The program and its arguments as a person would type them.
 fn as_typed(command: &Command) -> String {
     let words: Vec<_> = command.get_args().map(|word| word.to_string_lossy()).collect();
-    let program = Path::new(command.get_program())
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let program = Path::new(command.get_program()).file_stem().unwrap_or_default().to_string_lossy();
     format!("{program} {}", words.join(" "))
 }
 
@@ -81,12 +75,7 @@ fn descendants(ancestor: u32) -> Vec<u32> {
     let mut place = 0;
     while place < found.len() {
         let parent = found[place];
-        found.extend(
-            table
-                .iter()
-                .filter(|(_, of)| *of == parent)
-                .map(|(process, _)| *process),
-        );
+        found.extend(table.iter().filter(|(_, of)| *of == parent).map(|(process, _)| *process));
         place += 1;
     }
     found.split_off(1)
@@ -94,17 +83,11 @@ fn descendants(ancestor: u32) -> Vec<u32> {
 
 /// Every process with its parent: from `ps`, or from `/proc` where a small system has no `ps`.
 fn processes() -> Vec<(u32, u32)> {
-    let listed = Command::new("ps")
-        .args(["-A", "-o", "pid=,ppid="])
-        .stdin(Stdio::null())
-        .output();
+    let listed = Command::new("ps").args(["-A", "-o", "pid=,ppid="]).stdin(Stdio::null()).output();
     if let Ok(listed) = listed
         && listed.status.success()
     {
-        return String::from_utf8_lossy(&listed.stdout)
-            .lines()
-            .filter_map(two_numbers)
-            .collect();
+        return String::from_utf8_lossy(&listed.stdout).lines().filter_map(two_numbers).collect();
     }
     let Ok(entries) = std::fs::read_dir("/proc") else {
         return Vec::new();
@@ -131,14 +114,8 @@ fn two_numbers(line: &str) -> Option<(u32, u32)> {
 fn end(processes: &[u32]) {
     if !processes.is_empty() {
         let mut command = Command::new("sh");
-        command
-            .args(["-c", "kill -KILL \"$@\"", "sh"])
-            .args(processes.iter().map(u32::to_string));
+        command.args(["-c", "kill -KILL \"$@\"", "sh"]).args(processes.iter().map(u32::to_string));
         // Nothing can be done about a process that cannot be ended: the verdict stays "hangs".
-        let _ = command
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
+        let _ = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
     }
 }

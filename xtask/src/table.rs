@@ -33,9 +33,6 @@ mod tests {
     #[test]
     fn columns_line_up() {
         let table = markdown(&["step", "s"], &[vec!["Green–Kubo".into(), "1.0".into()]]);
-        assert_eq!(
-            table,
-            "| step       | s   |\n| ---------- | --- |\n| Green–Kubo | 1.0 |\n"
-        );
+        assert_eq!(table, "| step       | s   |\n| ---------- | --- |\n| Green–Kubo | 1.0 |\n");
     }
 }

@@ -18,11 +18,7 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const FORMATTING: Step = Step {
-    name: "formatting",
-    environment: None,
-    arguments: &["fmt", "--all", "--", "--check"],
-};
+const FORMATTING: Step = Step { name: "formatting", environment: None, arguments: &["fmt", "--all", "--", "--check"] };
 const LINTS: Step = Step {
     name: "lints",
     environment: None,
@@ -34,16 +30,9 @@ const DOCUMENTATION: Step = Step {
     arguments: &["doc", "--workspace", "--no-deps"],
 };
 /// Unit, integration and documentation tests in the `test` profile, which is optimized: one build serves them all.
-const TESTS: Step = Step {
-    name: "tests",
-    environment: None,
-    arguments: &["test", "--workspace"],
-};
-const UNIT_TESTS: Step = Step {
-    name: "unit tests",
-    environment: None,
-    arguments: &["test", "--workspace", "--lib", "--bins"],
-};
+const TESTS: Step = Step { name: "tests", environment: None, arguments: &["test", "--workspace"] };
+const UNIT_TESTS: Step =
+    Step { name: "unit tests", environment: None, arguments: &["test", "--workspace", "--lib", "--bins"] };
 
 const EVERYTHING: &[Step] = &[FORMATTING, LINTS, DOCUMENTATION, TESTS];
 const QUICK: &[Step] = &[FORMATTING, LINTS, UNIT_TESTS];
@@ -51,9 +40,7 @@ const QUICK: &[Step] = &[FORMATTING, LINTS, UNIT_TESTS];
 impl Step {
     /// The command as a person would type it.
     fn as_typed(&self) -> String {
-        let environment = self
-            .environment
-            .map_or_else(String::new, |(name, value)| format!("{name}=\"{value}\" "));
+        let environment = self.environment.map_or_else(String::new, |(name, value)| format!("{name}=\"{value}\" "));
         format!("{environment}cargo {}", self.arguments.join(" "))
     }
 
@@ -61,9 +48,7 @@ impl Step {
     fn run(&self, workspace: &Workspace) -> Result<ExitStatus, Failure> {
         let mut command = workspace.cargo();
         command.args(self.arguments).envs(self.environment);
-        command
-            .status()
-            .map_err(|error| Failure::task(format!("could not start `{}`: {error}", self.as_typed())))
+        command.status().map_err(|error| Failure::task(format!("could not start `{}`: {error}", self.as_typed())))
     }
 }
 
@@ -87,16 +72,9 @@ pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<(), Failure> {
         if !status.success() {
             eprint!("\n{}", summary(steps, &times, false));
             let message = format!("{} failed ({status}); rerun only that: {}", step.name, step.as_typed());
-            return Err(Failure {
-                message,
-                code: exit_code(status),
-            });
+            return Err(Failure { message, code: exit_code(status) });
         }
-        eprintln!(
-            "==> {} passed in {:.1} s",
-            step.name,
-            times[times.len() - 1].as_secs_f64()
-        );
+        eprintln!("==> {} passed in {:.1} s", step.name, times[times.len() - 1].as_secs_f64());
     }
     eprint!("\n{}", summary(steps, &times, true));
     Ok(())
@@ -110,19 +88,13 @@ fn summary(steps: &[Step], times: &[Duration], passed: bool) -> String {
             std::cmp::Ordering::Equal if !passed => "FAILED",
             _ => "passed",
         };
-        let seconds = times
-            .get(place)
-            .map_or_else(String::new, |time| format!("{:.1}", time.as_secs_f64()));
+        let seconds = times.get(place).map_or_else(String::new, |time| format!("{:.1}", time.as_secs_f64()));
         vec![step.name.to_string(), result.to_string(), seconds]
     };
     let mut rows: Vec<Vec<String>> = steps.iter().enumerate().map(row).collect();
     let total: Duration = times.iter().sum();
     let verdict = if passed { "passed" } else { "FAILED" };
-    rows.push(vec![
-        "all".into(),
-        verdict.into(),
-        format!("{:.1}", total.as_secs_f64()),
-    ]);
+    rows.push(vec!["all".into(), verdict.into(), format!("{:.1}", total.as_secs_f64())]);
     table::markdown(&["step", "result", "seconds"], &rows)
 }
 
@@ -132,11 +104,7 @@ fn exit_code(status: ExitStatus) -> u8 {
     let signal = std::os::unix::process::ExitStatusExt::signal(&status).map(|signal| 128 + signal);
     #[cfg(not(unix))]
     let signal = None;
-    status
-        .code()
-        .or(signal)
-        .and_then(|code| u8::try_from(code).ok())
-        .unwrap_or(1)
+    status.code().or(signal).and_then(|code| u8::try_from(code).ok()).unwrap_or(1)
 }
 
 /// Installs the formatter and the linter where the toolchain came without them.
@@ -146,10 +114,7 @@ fn install_components(workspace: &Workspace) -> Result<(), Failure> {
             continue;
         }
         eprintln!("==> `cargo {subcommand}` is missing: rustup component add {component}");
-        let installed = Command::new("rustup")
-            .args(["component", "add", component])
-            .stdin(Stdio::null())
-            .status();
+        let installed = Command::new("rustup").args(["component", "add", component]).stdin(Stdio::null()).status();
         let reason = match installed {
             Ok(status) if status.success() && answers(workspace.cargo().args([subcommand, "--version"])) => continue,
             Ok(status) => format!("`rustup component add {component}` did not help ({status})"),
@@ -165,11 +130,7 @@ fn install_components(workspace: &Workspace) -> Result<(), Failure> {
 
 /// Whether the command can be run at all.
 fn answers(command: &mut Command) -> bool {
-    command
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status()
-        .is_ok_and(|status| status.success())
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }
 
 #[cfg(test)]
@@ -180,12 +141,8 @@ mod tests {
     fn the_summary_tells_passed_from_failed_from_not_run() {
         let times = [Duration::from_millis(1500), Duration::from_millis(500)];
         let text = summary(QUICK, &times, false);
-        let results: Vec<&str> = text
-            .lines()
-            .skip(2)
-            .filter_map(|line| line.split('|').nth(2))
-            .map(str::trim)
-            .collect();
+        let results: Vec<&str> =
+            text.lines().skip(2).filter_map(|line| line.split('|').nth(2)).map(str::trim).collect();
         assert_eq!(results, ["passed", "FAILED", "not run", "FAILED"]);
         assert!(text.lines().last().is_some_and(|line| line.contains("2.0")));
         assert!(!summary(QUICK, &times, true).contains("FAILED"));
@@ -193,13 +150,7 @@ mod tests {
 
     #[test]
     fn a_step_prints_as_it_would_be_typed() {
-        assert_eq!(
-            DOCUMENTATION.as_typed(),
-            "RUSTDOCFLAGS=\"-D warnings\" cargo doc --workspace --no-deps"
-        );
-        assert_eq!(
-            LINTS.as_typed(),
-            "cargo clippy --workspace --all-targets -- -D warnings"
-        );
+        assert_eq!(DOCUMENTATION.as_typed(), "RUSTDOCFLAGS=\"-D warnings\" cargo doc --workspace --no-deps");
+        assert_eq!(LINTS.as_typed(), "cargo clippy --workspace --all-targets -- -D warnings");
     }
 }

@@ -23,10 +23,7 @@ impl Workspace {
         let root = manifest
             .as_deref()
             .and_then(Path::parent)
-            .or_else(|| {
-                here.ancestors()
-                    .find(|directory| directory.join("xtask/Cargo.toml").is_file())
-            })
+            .or_else(|| here.ancestors().find(|directory| directory.join("xtask/Cargo.toml").is_file()))
             .ok_or_else(|| Failure::usage("no workspace around the current directory"))?
             .to_path_buf();
         let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |target| here.join(target));

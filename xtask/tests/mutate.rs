@@ -67,9 +67,7 @@ fn cells(line: &str) -> Vec<&str> {
 
 /// The mutation of a line of [`MUTATIONS`], as its file's name and text.
 fn patch(line: &str) -> (String, String) {
-    let [name, tests, further, from, to, _] = cells(line)[..] else {
-        panic!("six cells: {line}")
-    };
+    let [name, tests, further, from, to, _] = cells(line)[..] else { panic!("six cells: {line}") };
     let tests = tests.replace(", ", "\n# test: ");
     let lines: Vec<&str> = LIBRARY.lines().collect();
     let place = lines.iter().position(|line| line.trim() == from).unwrap_or(1);
@@ -97,10 +95,7 @@ impl Scratch {
         for (name, text) in MUTATIONS.lines().map(patch) {
             scratch.write(&name, &text);
         }
-        let made = Command::new("git")
-            .args(["init", "--quiet"])
-            .current_dir(&scratch.0)
-            .status();
+        let made = Command::new("git").args(["init", "--quiet"]).current_dir(&scratch.0).status();
         made.is_ok_and(|status| status.success()).then_some(scratch)
     }
 
@@ -114,9 +109,7 @@ impl Scratch {
         let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
         command.arg("mutate").args(arguments).current_dir(&self.0);
         // What cargo says to this test is not meant for the toy.
-        command
-            .env("CARGO_MANIFEST_DIR", self.0.join("xtask"))
-            .env("CARGO_TARGET_DIR", self.0.join("target"));
+        command.env("CARGO_MANIFEST_DIR", self.0.join("xtask")).env("CARGO_TARGET_DIR", self.0.join("target"));
         command.output().expect("xtask was built for this test")
     }
 }
@@ -146,27 +139,14 @@ fn every_verdict_comes_out_and_the_tree_stays_untouched() {
     found.sort();
     let mut expected = Vec::new();
     for mutation in MUTATIONS.lines().map(cells) {
-        expected.extend(
-            mutation[1]
-                .split(',')
-                .map(|_| (mutation[0].to_string(), mutation[5].to_string())),
-        );
+        expected.extend(mutation[1].split(',').map(|_| (mutation[0].to_string(), mutation[5].to_string())));
     }
     assert_eq!(found, expected, "{table}\n{messages}");
     assert_eq!(output.status.code(), Some(1));
-    assert!(
-        messages.contains("7 of 9 mutations did not turn their tests red"),
-        "{messages}"
-    );
-    assert_eq!(
-        fs::read_to_string(scratch.0.join("target/mutate/table.md")).unwrap(),
-        table
-    );
+    assert!(messages.contains("7 of 9 mutations did not turn their tests red"), "{messages}");
+    assert_eq!(fs::read_to_string(scratch.0.join("target/mutate/table.md")).unwrap(), table);
     assert_eq!(fs::read_to_string(scratch.0.join("src/lib.rs")).unwrap(), LIBRARY);
-    assert_eq!(
-        fs::read_to_string(scratch.0.join("target/mutate/tree/src/lib.rs")).unwrap(),
-        LIBRARY
-    );
+    assert_eq!(fs::read_to_string(scratch.0.join("target/mutate/tree/src/lib.rs")).unwrap(), LIBRARY);
 
     let output = scratch.mutate(&["red", "tests/mutations/aborts.patch"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -181,10 +161,7 @@ fn names_and_headers_are_checked_before_anything_runs() {
     };
     let output = scratch.mutate(&["rde"]);
     assert_eq!(output.status.code(), Some(2));
-    assert_eq!(
-        String::from_utf8(output.stderr).unwrap(),
-        "xtask: no mutation `rde`; did you mean red?\n"
-    );
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "xtask: no mutation `rde`; did you mean red?\n");
 
     let output = scratch.mutate(&["--list", "red"]);
     assert_eq!(output.status.code(), Some(0));

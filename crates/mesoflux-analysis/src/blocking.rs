@@ -51,19 +51,9 @@ impl Blocking {
     /// If `components` is zero.
     pub fn new(components: usize) -> Result<Self, AnalysisError> {
         if components == 0 {
-            return Err(AnalysisError::OutOfRange {
-                name: "components",
-                value: 0.0,
-                requirement: "at least 1",
-            });
+            return Err(AnalysisError::OutOfRange { name: "components", value: 0.0, requirement: "at least 1" });
         }
-        Ok(Self {
-            components,
-            minimum_block_length: 1,
-            shift: Vec::new(),
-            levels: Vec::new(),
-            scratch: Vec::new(),
-        })
+        Ok(Self { components, minimum_block_length: 1, shift: Vec::new(), levels: Vec::new(), scratch: Vec::new() })
     }
 
     /// Has errors taken from blocks of at least `length` samples, as long as 16 blocks remain.
@@ -117,24 +107,14 @@ impl Blocking {
     pub fn merge(&mut self, other: &Self) -> Result<(), AnalysisError> {
         if self.components != other.components {
             let (left, right) = (self.components as f64, other.components as f64);
-            return Err(AnalysisError::Mismatch {
-                name: "components",
-                left,
-                right,
-            });
+            return Err(AnalysisError::Mismatch { name: "components", left, right });
         }
         if self.shift.is_empty() {
             self.shift.clone_from(&other.shift);
         }
-        let offset: Vec<f64> = other
-            .shift
-            .iter()
-            .zip(&self.shift)
-            .map(|(theirs, own)| theirs - own)
-            .collect();
+        let offset: Vec<f64> = other.shift.iter().zip(&self.shift).map(|(theirs, own)| theirs - own).collect();
         if self.levels.len() < other.levels.len() {
-            self.levels
-                .resize_with(other.levels.len(), || Level::new(self.components));
+            self.levels.resize_with(other.levels.len(), || Level::new(self.components));
         }
         for (own, theirs) in self.levels.iter_mut().zip(&other.levels) {
             own.merge(theirs, &offset);
@@ -145,14 +125,7 @@ impl Blocking {
     /// Mean vector; `None` before the first record.
     pub fn mean(&self) -> Option<Vec<f64>> {
         let level = self.levels.first()?;
-        Some(
-            level
-                .mean()
-                .iter()
-                .zip(&self.shift)
-                .map(|(mean, shift)| mean + shift)
-                .collect(),
-        )
+        Some(level.mean().iter().zip(&self.shift).map(|(mean, shift)| mean + shift).collect())
     }
 }
 
@@ -191,12 +164,7 @@ mod tests {
         let moments = merged.levels[0].project(&[1.0]);
         let mean = 425.0 / 7.0;
         let squares: f64 = left.iter().chain(&right).map(|value| (value - mean).powi(2)).sum();
-        let pairs = |values: &[f64]| {
-            values
-                .windows(2)
-                .map(|pair| (pair[0] - mean) * (pair[1] - mean))
-                .sum::<f64>()
-        };
+        let pairs = |values: &[f64]| values.windows(2).map(|pair| (pair[0] - mean) * (pair[1] - mean)).sum::<f64>();
         assert_eq!((moments.blocks, moments.pairs), (7, 5));
         assert!((moments.squares / squares - 1.0).abs() < 1e-12);
         assert!((moments.lag_products / (pairs(&left) + pairs(&right)) - 1.0).abs() < 1e-12);

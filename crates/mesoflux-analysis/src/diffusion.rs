@@ -51,37 +51,25 @@ impl MeanSquaredDisplacement {
     pub fn diffusion_coefficient(&self) -> DiffusionEstimate {
         match self.first_lag() {
             Ok(first) => self.fit(first),
-            Err(warning) => DiffusionEstimate {
-                estimate: Estimate::unknown(warning),
-                ..DiffusionEstimate::default()
-            },
+            Err(warning) => DiffusionEstimate { estimate: Estimate::unknown(warning), ..DiffusionEstimate::default() },
         }
     }
 
     /// First lag of the window, or why there is none.
     fn first_lag(&self) -> Result<usize, String> {
         if self.lags() < FEWEST_LAGS {
-            return Err(format!(
-                "cannot tell: {} lags are too few for a window, at least {FEWEST_LAGS}",
-                self.lags()
-            ));
+            return Err(format!("cannot tell: {} lags are too few for a window, at least {FEWEST_LAGS}", self.lags()));
         }
         let needed = ORIGINS_PER_LAG * self.lags() as u64;
         if self.origins() < needed {
-            return Err(format!(
-                "cannot tell: {} origins of time are too few, at least {needed}",
-                self.origins()
-            ));
+            return Err(format!("cannot tell: {} origins of time are too few, at least {needed}", self.origins()));
         }
         // After the margin the fit still spans a factor of two in time.
         let last = self.lags() / (2 * MARGIN);
         let straight = |&first: &usize| is_zero_within_error(&self.linear(&self.curvature_weights(first)));
         let first = candidates(last).into_iter().rev().take_while(straight).last();
         first.map(|first| MARGIN * first).ok_or_else(|| {
-            format!(
-                "cannot tell: the curve isn't straight from {} on; record longer time differences",
-                self.time(last)
-            )
+            format!("cannot tell: the curve isn't straight from {} on; record longer time differences", self.time(last))
         })
     }
 
@@ -104,10 +92,7 @@ impl MeanSquaredDisplacement {
     /// The parts meet at the geometric mean: what is left of ballistic motion bends the beginning, where the errors are small.
     fn curvature_weights(&self, first: usize) -> Vec<f64> {
         let middle = ((first * self.lags()) as f64).sqrt().round() as usize;
-        let (early, late) = (
-            self.line_weights(first, middle).0,
-            self.line_weights(middle, self.lags()).0,
-        );
+        let (early, late) = (self.line_weights(first, middle).0, self.line_weights(middle, self.lags()).0);
         late.iter().zip(&early).map(|(late, early)| late - early).collect()
     }
 
@@ -129,9 +114,8 @@ impl MeanSquaredDisplacement {
 /// At most [`CANDIDATES`] first lags from 1 to `last`, spaced geometrically, ascending.
 fn candidates(last: usize) -> Vec<usize> {
     let exponent = |index: usize| index as f64 / (CANDIDATES - 1) as f64;
-    let mut lags: Vec<usize> = (0..CANDIDATES)
-        .map(|index| (last as f64).powf(exponent(index)).round() as usize)
-        .collect();
+    let mut lags: Vec<usize> =
+        (0..CANDIDATES).map(|index| (last as f64).powf(exponent(index)).round() as usize).collect();
     lags.dedup();
     lags
 }

@@ -48,23 +48,14 @@ pub fn chi_squared_p_value(observed: &[f64], expected: &[f64], constraints: usiz
     for (name, counts) in [("observed counts", observed), ("expected counts", expected)] {
         require_finite(name, counts)?;
         if let Some(&value) = counts.iter().find(|&&count| count < 0.0) {
-            return Err(AnalysisError::OutOfRange {
-                name,
-                value,
-                requirement: "at least 0",
-            });
+            return Err(AnalysisError::OutOfRange { name, value, requirement: "at least 0" });
         }
     }
     let bins = merge_sparse_bins(observed, expected);
     if bins.len() <= constraints {
-        return Err(AnalysisError::Underdetermined(
-            "no degree of freedom is left after merging sparse bins",
-        ));
+        return Err(AnalysisError::Underdetermined("no degree of freedom is left after merging sparse bins"));
     }
-    let statistic = bins
-        .iter()
-        .map(|(observed, expected)| (observed - expected).powi(2) / expected)
-        .sum();
+    let statistic = bins.iter().map(|(observed, expected)| (observed - expected).powi(2) / expected).sum();
     chi_squared_survival(statistic, (bins.len() - constraints) as f64)
 }
 
@@ -100,9 +91,7 @@ pub fn kolmogorov_smirnov_p_value(sorted: &[f64], cdf: impl Fn(f64) -> f64) -> R
     }
     require_finite("sample", sorted)?;
     if !sorted.is_sorted() {
-        return Err(AnalysisError::Underdetermined(
-            "the sample is not sorted in ascending order",
-        ));
+        return Err(AnalysisError::Underdetermined("the sample is not sorted in ascending order"));
     }
     let count = sorted.len() as f64;
     let mut distance: f64 = 0.0;
@@ -110,20 +99,12 @@ pub fn kolmogorov_smirnov_p_value(sorted: &[f64], cdf: impl Fn(f64) -> f64) -> R
         let probability = cdf(value);
         if !(0.0..=1.0).contains(&probability) {
             let requirement = "between 0 and 1";
-            return Err(AnalysisError::OutOfRange {
-                name: "distribution function",
-                value: probability,
-                requirement,
-            });
+            return Err(AnalysisError::OutOfRange { name: "distribution function", value: probability, requirement });
         }
         // The sample's distribution function jumps here: both sides count.
-        distance = distance
-            .max(probability - index as f64 / count)
-            .max((index as f64 + 1.0) / count - probability);
+        distance = distance.max(probability - index as f64 / count).max((index as f64 + 1.0) / count - probability);
     }
-    Ok(kolmogorov_survival(
-        (count.sqrt() + 0.12 + 0.11 / count.sqrt()) * distance,
-    ))
+    Ok(kolmogorov_survival((count.sqrt() + 0.12 + 0.11 / count.sqrt()) * distance))
 }
 
 /// Chance that Kolmogorov's statistic exceeds x: 2 Σ_{j ≥ 1} (−1)^(j−1) exp(−2 j² x²), by the form that converges fast.
@@ -232,10 +213,7 @@ mod tests {
         };
         let integral: f64 = (0..1500).map(|i| density((f64::from(i) + 0.5) * step) * step).sum();
         assert!((maxwell_speed_cdf(1.5, variance) - integral).abs() < 1e-6);
-        assert_eq!(
-            (maxwell_speed_cdf(-1.0, variance), maxwell_speed_cdf(1e9, variance)),
-            (0.0, 1.0)
-        );
+        assert_eq!((maxwell_speed_cdf(-1.0, variance), maxwell_speed_cdf(1e9, variance)), (0.0, 1.0));
     }
 
     #[test]

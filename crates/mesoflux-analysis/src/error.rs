@@ -52,20 +52,12 @@ pub enum AnalysisError {
 /// Refuses the first entry of `values` that is infinite or not a number.
 pub(crate) fn require_finite(name: &'static str, values: &[f64]) -> Result<(), AnalysisError> {
     match values.iter().position(|value| !value.is_finite()) {
-        Some(index) => Err(AnalysisError::NotFinite {
-            name,
-            index,
-            value: values[index],
-        }),
+        Some(index) => Err(AnalysisError::NotFinite { name, index, value: values[index] }),
         None => Ok(()),
     }
 }
 
 /// Refuses an array of another length.
 pub(crate) fn require_length(name: &'static str, found: usize, expected: usize) -> Result<(), AnalysisError> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(AnalysisError::Length { name, found, expected })
-    }
+    if found == expected { Ok(()) } else { Err(AnalysisError::Length { name, found, expected }) }
 }

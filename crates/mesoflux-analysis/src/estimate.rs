@@ -27,27 +27,16 @@ pub struct Estimate {
 impl Estimate {
     /// A value with its standard error; a number that isn't finite is replaced by `None` and a warning.
     pub fn new(value: f64, standard_error: f64, effective_samples: f64) -> Self {
-        let effective_samples = if effective_samples.is_finite() {
-            effective_samples.max(0.0)
-        } else {
-            0.0
-        };
-        let mut estimate = Self {
-            value: Some(value),
-            standard_error: Some(standard_error),
-            effective_samples,
-            warnings: Vec::new(),
-        };
+        let effective_samples = if effective_samples.is_finite() { effective_samples.max(0.0) } else { 0.0 };
+        let mut estimate =
+            Self { value: Some(value), standard_error: Some(standard_error), effective_samples, warnings: Vec::new() };
         estimate.drop_what_is_not_finite();
         estimate
     }
 
     /// Nothing can be told, for the reason given.
     pub fn unknown(warning: impl Into<String>) -> Self {
-        Self {
-            warnings: vec![warning.into()],
-            ..Self::default()
-        }
+        Self { warnings: vec![warning.into()], ..Self::default() }
     }
 
     /// The same estimate with one more warning.
@@ -104,10 +93,7 @@ impl Estimate {
             self.value = None;
             self.warnings.push("the value is not a finite number".into());
         }
-        if self
-            .standard_error
-            .is_some_and(|error| !error.is_finite() || error < 0.0)
-        {
+        if self.standard_error.is_some_and(|error| !error.is_finite() || error < 0.0) {
             self.standard_error = None;
             self.warnings.push("the standard error is not a finite number".into());
         }
@@ -152,10 +138,7 @@ mod tests {
     #[test]
     fn what_is_not_finite_becomes_none_and_a_warning() {
         let estimate = Estimate::new(f64::NAN, f64::INFINITY, f64::NAN);
-        assert_eq!(
-            (estimate.value, estimate.standard_error, estimate.effective_samples),
-            (None, None, 0.0)
-        );
+        assert_eq!((estimate.value, estimate.standard_error, estimate.effective_samples), (None, None, 0.0));
         assert_eq!(estimate.warnings.len(), 2);
         assert_eq!(Estimate::new(1.0, 1.0, 2.0).scaled(f64::INFINITY).value, None);
     }

@@ -34,10 +34,7 @@ impl Blocking {
         if let Err(error) = self.check_weights(weights) {
             return Estimate::unknown(error.to_string());
         }
-        self.with_error_of(
-            weights,
-            mean.iter().zip(weights).map(|(mean, weight)| mean * weight).sum(),
-        )
+        self.with_error_of(weights, mean.iter().zip(weights).map(|(mean, weight)| mean * weight).sum())
     }
 
     /// The mean of the first component.
@@ -47,8 +44,7 @@ impl Blocking {
 
     /// The mean of one component.
     pub fn component(&self, index: usize) -> Estimate {
-        self.unit(index)
-            .map_or_else(|warning| warning, |weights| self.linear(&weights))
+        self.unit(index).map_or_else(|warning| warning, |weights| self.linear(&weights))
     }
 
     /// The ratio `R = ⟨x_a⟩/⟨x_b⟩` of the means of two components, a the `numerator` and b the `denominator`.
@@ -62,10 +58,7 @@ impl Blocking {
         else {
             let mut warnings = above.warnings;
             warnings.extend(below.warnings);
-            return Estimate {
-                warnings,
-                ..Estimate::default()
-            };
+            return Estimate { warnings, ..Estimate::default() };
         };
         let distance = below_mean.abs() / below_error;
         if below_mean == 0.0 || distance < REFUSED_DENOMINATOR {
@@ -108,19 +101,15 @@ impl Blocking {
     pub fn variance_of_mean_by_level(&self, weights: &[f64]) -> Result<Vec<BlockingLevel>, AnalysisError> {
         self.check_weights(weights)?;
         let moments = self.project(weights);
-        let levels = moments
-            .iter()
-            .enumerate()
-            .filter(|(_, moments)| moments.blocks > 1)
-            .map(|(index, moments)| {
-                let variance_of_mean = moments.variance_of_mean(index, self.count());
-                BlockingLevel {
-                    block_length: 1 << index,
-                    blocks: moments.blocks,
-                    variance_of_mean,
-                    standard_error: variance_of_mean * (2.0 / (moments.blocks as f64 - 1.0)).sqrt(),
-                }
-            });
+        let levels = moments.iter().enumerate().filter(|(_, moments)| moments.blocks > 1).map(|(index, moments)| {
+            let variance_of_mean = moments.variance_of_mean(index, self.count());
+            BlockingLevel {
+                block_length: 1 << index,
+                blocks: moments.blocks,
+                variance_of_mean,
+                standard_error: variance_of_mean * (2.0 / (moments.blocks as f64 - 1.0)).sqrt(),
+            }
+        });
         Ok(levels.filter(|level| level.variance_of_mean.is_finite()).collect())
     }
 
@@ -159,10 +148,7 @@ impl Blocking {
                 estimate.warnings.extend(warning);
                 estimate
             }
-            Err(unknown) => Estimate {
-                value: value.is_finite().then_some(value),
-                ..unknown
-            },
+            Err(unknown) => Estimate { value: value.is_finite().then_some(value), ..unknown },
         }
     }
 
@@ -178,10 +164,7 @@ impl Blocking {
                     self.count()
                 )),
             )),
-            Plateau::NoData => Err(Estimate::unknown(format!(
-                "too short: {} samples have no error",
-                self.count()
-            ))),
+            Plateau::NoData => Err(Estimate::unknown(format!("too short: {} samples have no error", self.count()))),
         }
     }
 
@@ -201,10 +184,7 @@ impl Blocking {
                 *weight = 1.0;
                 Ok(weights)
             }
-            None => Err(Estimate::unknown(format!(
-                "component {index}: there are only {}",
-                self.components()
-            ))),
+            None => Err(Estimate::unknown(format!("component {index}: there are only {}", self.components()))),
         }
     }
 }
@@ -218,10 +198,7 @@ mod tests {
         let mut blocking = Blocking::new(2).unwrap();
         assert_eq!(blocking.estimate().value, None);
         blocking.record(&[1.0, 0.0]).unwrap();
-        assert_eq!(
-            (blocking.estimate().value, blocking.estimate().standard_error),
-            (Some(1.0), None)
-        );
+        assert_eq!((blocking.estimate().value, blocking.estimate().standard_error), (Some(1.0), None));
         blocking.record(&[2.0, 0.0]).unwrap();
         assert!(blocking.estimate().warnings[0].starts_with("too short"));
         for estimate in [
@@ -253,9 +230,6 @@ mod tests {
     fn a_constant_series_has_no_error() {
         let mut blocking = Blocking::new(1).unwrap();
         (0..100).for_each(|_| blocking.record(&[0.1]).unwrap());
-        assert_eq!(
-            (blocking.estimate().value, blocking.estimate().standard_error),
-            (Some(0.1), Some(0.0))
-        );
+        assert_eq!((blocking.estimate().value, blocking.estimate().standard_error), (Some(0.1), Some(0.0)));
     }
 }

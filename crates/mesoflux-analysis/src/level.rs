@@ -86,12 +86,7 @@ impl Level {
         }
         add_outer(&mut self.lag_products, &other.sum, offset, 2.0);
         add_outer(&mut self.lag_products, &other_edges, offset, -1.0);
-        add_outer(
-            &mut self.lag_products,
-            offset,
-            offset,
-            (other.blocks - other.series) as f64,
-        );
+        add_outer(&mut self.lag_products, offset, offset, (other.blocks - other.series) as f64);
         add(&mut self.sum, &other.sum, 1.0);
         add(&mut self.sum, offset, other.blocks as f64);
         add(&mut self.edges, &other_edges, 1.0);

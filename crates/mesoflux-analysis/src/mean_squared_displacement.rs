@@ -35,18 +35,10 @@ impl MeanSquaredDisplacement {
     /// If there are no particles or lags, or if the spacing isn't positive and finite.
     pub fn new(particles: usize, lags: usize, spacing: f64) -> Result<Self, AnalysisError> {
         if particles == 0 {
-            return Err(AnalysisError::OutOfRange {
-                name: "particles",
-                value: 0.0,
-                requirement: "at least 1",
-            });
+            return Err(AnalysisError::OutOfRange { name: "particles", value: 0.0, requirement: "at least 1" });
         }
         if lags == 0 {
-            return Err(AnalysisError::OutOfRange {
-                name: "lags",
-                value: 0.0,
-                requirement: "at least 1",
-            });
+            return Err(AnalysisError::OutOfRange { name: "lags", value: 0.0, requirement: "at least 1" });
         }
         if !(spacing > 0.0 && spacing.is_finite()) {
             return Err(AnalysisError::OutOfRange {
@@ -57,14 +49,7 @@ impl MeanSquaredDisplacement {
         }
         // Displacements of overlapping origins are correlated over `lags` records even for independent steps.
         let displacements = Blocking::new(lags)?.with_minimum_block_length(2 * lags as u64);
-        Ok(Self {
-            particles,
-            lags,
-            spacing,
-            drift_removed: false,
-            history: VecDeque::new(),
-            displacements,
-        })
+        Ok(Self { particles, lags, spacing, drift_removed: false, history: VecDeque::new(), displacements })
     }
 
     /// Measures displacements relative to the centroid of the particles.
@@ -84,9 +69,7 @@ impl MeanSquaredDisplacement {
             });
         }
         if !self.history.is_empty() || self.displacements.count() > 0 {
-            return Err(AnalysisError::Underdetermined(
-                "removing the drift must be decided before the first record",
-            ));
+            return Err(AnalysisError::Underdetermined("removing the drift must be decided before the first record"));
         }
         self.drift_removed = true;
         Ok(self)
@@ -119,11 +102,8 @@ impl MeanSquaredDisplacement {
             subtract_centroid(&mut configuration);
         }
         if self.history.len() == self.lags {
-            let displacements: Vec<f64> = self
-                .history
-                .iter()
-                .map(|earlier| mean_squared_distance(&configuration, earlier))
-                .collect();
+            let displacements: Vec<f64> =
+                self.history.iter().map(|earlier| mean_squared_distance(&configuration, earlier)).collect();
             self.displacements.record(&displacements)?;
             self.history.pop_back();
         }
@@ -141,11 +121,7 @@ impl MeanSquaredDisplacement {
             ("particles", self.particles as f64, other.particles as f64),
             ("lags", self.lags as f64, other.lags as f64),
             ("spacing", self.spacing, other.spacing),
-            (
-                "drift removed (1: yes)",
-                f64::from(self.drift_removed),
-                f64::from(other.drift_removed),
-            ),
+            ("drift removed (1: yes)", f64::from(self.drift_removed), f64::from(other.drift_removed)),
         ] {
             if left != right {
                 return Err(AnalysisError::Mismatch { name, left, right });
@@ -158,9 +134,7 @@ impl MeanSquaredDisplacement {
     ///
     /// The errors of different times are strongly correlated; use [`linear`](Self::linear) for what combines several.
     pub fn curve(&self) -> Vec<(f64, Estimate)> {
-        (0..self.lags)
-            .map(|index| (self.time(index + 1), self.displacements.component(index)))
-            .collect()
+        (0..self.lags).map(|index| (self.time(index + 1), self.displacements.component(index))).collect()
     }
 
     /// The linear functional `Σ_k weights[k − 1] · msd(k · spacing)` of the curve, such as a slope, with its error.
@@ -194,10 +168,7 @@ mod tests {
 
     /// Two particles moving apart along x with unit speed, the pair drifting along y.
     fn separating(drift: f64, records: usize) -> Vec<[[f64; 3]; 2]> {
-        (0..records)
-            .map(|n| n as f64)
-            .map(|t| [[t, drift * t, 0.0], [-t, drift * t, 0.0]])
-            .collect()
+        (0..records).map(|n| n as f64).map(|t| [[t, drift * t, 0.0], [-t, drift * t, 0.0]]).collect()
     }
 
     #[test]
@@ -211,10 +182,7 @@ mod tests {
         assert_eq!(plain.origins(), 7);
         for (index, ((time, plain), (_, relative))) in plain.curve().iter().zip(relative.curve()).enumerate() {
             let lag = (index + 1) as f64;
-            assert_eq!(
-                (*time, plain.value, relative.value),
-                (0.5 * lag, Some(5.0 * lag * lag), Some(lag * lag))
-            );
+            assert_eq!((*time, plain.value, relative.value), (0.5 * lag, Some(5.0 * lag * lag), Some(lag * lag)));
         }
     }
 
@@ -241,11 +209,7 @@ mod tests {
         let mut recorder = MeanSquaredDisplacement::new(2, 3, 1.0).unwrap();
         assert!(recorder.record(&[[0.0; 3]; 3]).is_err());
         assert!(recorder.record(&[[0.0, f64::INFINITY, 0.0]; 2]).is_err());
-        assert!(
-            recorder
-                .merge(&MeanSquaredDisplacement::new(2, 3, 2.0).unwrap())
-                .is_err()
-        );
+        assert!(recorder.merge(&MeanSquaredDisplacement::new(2, 3, 2.0).unwrap()).is_err());
         assert!(recorder.merge(&recorder.clone().remove_drift().unwrap()).is_err());
         assert_eq!(recorder.curve()[0].1.value, None);
     }

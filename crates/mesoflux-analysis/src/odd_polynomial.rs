@@ -25,15 +25,9 @@ impl OddFit {
         let degrees_of_freedom = points.len().checked_sub(order)?;
         let power = |point: &ResponsePoint, k: usize| (point.x / scale).powi(2 * k as i32 + 1);
         let weight = |point: &ResponsePoint| point.standard_error.powi(-2);
-        let normal_entry = |j: usize, k: usize| {
-            points
-                .iter()
-                .map(|point| weight(point) * power(point, j) * power(point, k))
-                .sum()
-        };
-        let normal: Vec<Vec<f64>> = (0..order)
-            .map(|j| (0..order).map(|k| normal_entry(j, k)).collect())
-            .collect();
+        let normal_entry =
+            |j: usize, k: usize| points.iter().map(|point| weight(point) * power(point, j) * power(point, k)).sum();
+        let normal: Vec<Vec<f64>> = (0..order).map(|j| (0..order).map(|k| normal_entry(j, k)).collect()).collect();
         let factor = Cholesky::new(&normal)?;
         let row = |k: usize| -> Vec<f64> {
             let unit: Vec<f64> = (0..order).map(|j| if j == k { 1.0 } else { 0.0 }).collect();
@@ -42,25 +36,15 @@ impl OddFit {
             points.iter().map(at).collect()
         };
         let rows: Vec<Vec<f64>> = (0..order).map(row).collect();
-        let coefficients: Vec<f64> = rows
-            .iter()
-            .map(|row| row.iter().zip(points).map(|(weight, point)| weight * point.y).sum())
-            .collect();
+        let coefficients: Vec<f64> =
+            rows.iter().map(|row| row.iter().zip(points).map(|(weight, point)| weight * point.y).sum()).collect();
         let residual =
             |point: &ResponsePoint| point.y - (0..order).map(|k| coefficients[k] * power(point, k)).sum::<f64>();
         let chi_squared: f64 = points.iter().map(|point| weight(point) * residual(point).powi(2)).sum();
-        let variances = points
-            .iter()
-            .map(|point| (point.standard_error.powi(2), point.effective_samples - 1.0))
-            .collect();
+        let variances =
+            points.iter().map(|point| (point.standard_error.powi(2), point.effective_samples - 1.0)).collect();
         let finite = chi_squared.is_finite() && coefficients.iter().all(|coefficient| coefficient.is_finite());
-        finite.then_some(Self {
-            coefficients,
-            rows,
-            variances,
-            chi_squared,
-            degrees_of_freedom,
-        })
+        finite.then_some(Self { coefficients, rows, variances, chi_squared, degrees_of_freedom })
     }
 
     /// Coefficient k.
@@ -83,10 +67,7 @@ impl OddFit {
     pub(crate) fn is_present(&self, k: usize, confidence: f64) -> bool {
         let estimate = self.coefficient(k);
         let threshold = student_quantile(estimate.effective_samples - 1.0, confidence);
-        estimate
-            .z_score_against(0.0, 0.0)
-            .zip(threshold)
-            .is_some_and(|(z, threshold)| z.abs() > threshold)
+        estimate.z_score_against(0.0, 0.0).zip(threshold).is_some_and(|(z, threshold)| z.abs() > threshold)
     }
 
     /// `value` with the error of `Σ_i w_i y_i`, its degrees of freedom by Welch and Satterthwaite:
@@ -96,9 +77,8 @@ impl OddFit {
             .iter()
             .zip(&self.variances)
             .map(|(weight, (variance, degrees))| (weight * weight * variance, degrees));
-        let (variance, over_degrees) = parts.fold((0.0, 0.0), |(sum, over), (part, degrees)| {
-            (sum + part, over + part * part / degrees)
-        });
+        let (variance, over_degrees) =
+            parts.fold((0.0, 0.0), |(sum, over), (part, degrees)| (sum + part, over + part * part / degrees));
         let degrees = (variance * variance / over_degrees).min(MANY_DEGREES);
         Estimate::new(value, variance.sqrt(), 1.0 + degrees)
     }
@@ -109,12 +89,7 @@ mod tests {
     use super::*;
 
     fn points(law: impl Fn(f64) -> f64) -> Vec<ResponsePoint> {
-        let at = |x: f64| ResponsePoint {
-            x,
-            y: law(x),
-            standard_error: 0.1 * x,
-            effective_samples: 11.0,
-        };
+        let at = |x: f64| ResponsePoint { x, y: law(x), standard_error: 0.1 * x, effective_samples: 11.0 };
         [0.5, 1.0, 2.0].map(at).to_vec()
     }
 
@@ -130,10 +105,7 @@ mod tests {
     #[test]
     fn errors_and_degrees_of_freedom_of_a_line_by_hand() {
         // y/x has error 0.1 at each of three points: their mean has 0.1/√3, and 3 × 10 degrees of freedom.
-        let slope = OddFit::new(&points(|x| 3.0 * x), 2.0, 1)
-            .unwrap()
-            .coefficient(0)
-            .scaled(0.5);
+        let slope = OddFit::new(&points(|x| 3.0 * x), 2.0, 1).unwrap().coefficient(0).scaled(0.5);
         assert!((slope.value.unwrap() - 3.0).abs() < 1e-12);
         assert!((slope.standard_error.unwrap() - 0.1 / 3f64.sqrt()).abs() < 1e-12);
         assert!((slope.effective_samples - 31.0).abs() < 1e-9);

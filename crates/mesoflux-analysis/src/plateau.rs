@@ -79,9 +79,7 @@ pub(crate) fn find(levels: &[ScalarMoments], samples: u64, minimum_block_length:
         let by_variance = candidates.map(|(index, level)| (index, level.variance_of_mean(index, samples)));
         by_variance.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
     };
-    largest(FALLBACK_BLOCKS)
-        .or_else(|| largest(2))
-        .map_or(Plateau::NoData, Plateau::TooShort)
+    largest(FALLBACK_BLOCKS).or_else(|| largest(2)).map_or(Plateau::NoData, Plateau::TooShort)
 }
 
 fn chi_squared_quantile(degrees_of_freedom: f64) -> f64 {
@@ -94,44 +92,24 @@ mod tests {
 
     fn level(blocks: u64, correlation: f64) -> ScalarMoments {
         let squares = blocks as f64 - 1.0;
-        ScalarMoments {
-            blocks,
-            pairs: blocks - 1,
-            squares,
-            lag_products: correlation * squares,
-        }
+        ScalarMoments { blocks, pairs: blocks - 1, squares, lag_products: correlation * squares }
     }
 
     #[test]
     fn climbs_two_levels_above_the_first_that_passes() {
-        let levels = [
-            level(4096, 0.9),
-            level(2048, 0.5),
-            level(1024, 0.0),
-            level(512, 0.0),
-            level(256, 0.0),
-        ];
+        let levels = [level(4096, 0.9), level(2048, 0.5), level(1024, 0.0), level(512, 0.0), level(256, 0.0)];
         assert_eq!(find(&levels, 4096, 1), Plateau::Found(4));
         assert_eq!(find(&levels[..4], 4096, 1), Plateau::Found(3));
     }
 
     #[test]
     fn a_short_series_keeps_enough_blocks() {
-        assert_eq!(
-            find(&[level(40, 0.0), level(20, 0.0), level(10, 0.0), level(5, 0.0)], 40, 1),
-            Plateau::Found(1)
-        );
+        assert_eq!(find(&[level(40, 0.0), level(20, 0.0), level(10, 0.0), level(5, 0.0)], 40, 1), Plateau::Found(1));
     }
 
     #[test]
     fn a_minimum_block_length_is_respected_where_blocks_remain() {
-        let levels = [
-            level(1024, 0.0),
-            level(512, 0.0),
-            level(256, 0.0),
-            level(128, 0.0),
-            level(64, 0.0),
-        ];
+        let levels = [level(1024, 0.0), level(512, 0.0), level(256, 0.0), level(128, 0.0), level(64, 0.0)];
         assert_eq!(find(&levels, 1024, 9), Plateau::Found(4));
         assert_eq!(find(&levels, 1024, 8), Plateau::Found(3));
         assert_eq!(find(&levels, 1024, 1000), Plateau::Found(4));
@@ -139,13 +117,7 @@ mod tests {
 
     #[test]
     fn correlation_at_the_last_tested_level_means_too_short() {
-        let levels = [
-            level(32, 0.9),
-            level(16, 0.9),
-            level(8, 0.9),
-            level(4, 0.0),
-            level(2, 0.0),
-        ];
+        let levels = [level(32, 0.9), level(16, 0.9), level(8, 0.9), level(4, 0.0), level(2, 0.0)];
         assert_eq!(find(&levels, 32, 1), Plateau::TooShort(3));
         assert_eq!(find(&[level(1, 0.0)], 1, 1), Plateau::NoData);
     }

@@ -97,17 +97,12 @@ pub fn fit_response(points: &[ResponsePoint], choice: OrderChoice) -> Result<Res
     check(points)?;
     // Magnitudes of x of order one keep the normal equations well conditioned.
     let scale = points.iter().map(|point| point.x.abs()).fold(0.0, f64::max);
-    let fits: Vec<OddFit> = (1..=points.len())
-        .map_while(|order| OddFit::new(points, scale, order))
-        .collect();
+    let fits: Vec<OddFit> = (1..=points.len()).map_while(|order| OddFit::new(points, scale, order)).collect();
     let Some(highest) = fits.len().checked_sub(1) else {
         return Err(AnalysisError::Underdetermined("response points: none has a nonzero x"));
     };
     let settled = |&index: &usize| {
-        is_acceptable(&fits[index])
-            && fits
-                .get(index + 1)
-                .is_none_or(|next| !next.is_present(index + 1, SIGNIFICANT))
+        is_acceptable(&fits[index]) && fits.get(index + 1).is_none_or(|next| !next.is_present(index + 1, SIGNIFICANT))
     };
     let lowest = (0..=highest).find(settled).unwrap_or(highest);
     let chosen = match choice {
@@ -116,11 +111,7 @@ pub fn fit_response(points: &[ResponsePoint], choice: OrderChoice) -> Result<Res
         OrderChoice::Fixed(order) if order >= 1 && order <= fits.len() => order - 1,
         OrderChoice::Fixed(order) => {
             let requirement = "at least 1 and at most the number of points with different nonzero |x|";
-            return Err(AnalysisError::OutOfRange {
-                name: "order",
-                value: order as f64,
-                requirement,
-            });
+            return Err(AnalysisError::OutOfRange { name: "order", value: order as f64, requirement });
         }
     };
     let fit = &fits[chosen];
@@ -144,23 +135,10 @@ pub fn fit_response(points: &[ResponsePoint], choice: OrderChoice) -> Result<Res
     if linear.is_none() {
         coefficient.warnings.extend(nonlinearity.warnings.iter().cloned());
     }
-    let polynomial = fit
-        .coefficients
-        .iter()
-        .enumerate()
-        .map(|(k, c)| c / scale.powi(2 * k as i32 + 1))
-        .collect();
+    let polynomial = fit.coefficients.iter().enumerate().map(|(k, c)| c / scale.powi(2 * k as i32 + 1)).collect();
     let p_value = p_value(fit);
     let (chi_squared, degrees_of_freedom) = (fit.chi_squared, fit.degrees_of_freedom);
-    Ok(ResponseCurve {
-        coefficient,
-        polynomial,
-        chi_squared,
-        degrees_of_freedom,
-        p_value,
-        nonlinearity,
-        linear,
-    })
+    Ok(ResponseCurve { coefficient, polynomial, chi_squared, degrees_of_freedom, p_value, nonlinearity, linear })
 }
 
 /// The inverse direction (Norton): the flux r is fixed, the multiplier λ measured, and `λ = a r + b r³ + …` fitted.
@@ -182,11 +160,8 @@ pub fn fit_inverse_response(points: &[ResponsePoint], choice: OrderChoice) -> Re
             }
             inverse
         }
-        _ => Estimate {
-            warnings: slope.warnings,
-            ..Estimate::default()
-        }
-        .with_warning("the slope lies within three standard errors of zero: its inverse can't be told"),
+        _ => Estimate { warnings: slope.warnings, ..Estimate::default() }
+            .with_warning("the slope lies within three standard errors of zero: its inverse can't be told"),
     };
     Ok(curve)
 }
@@ -212,19 +187,11 @@ fn check(points: &[ResponsePoint]) -> Result<(), AnalysisError> {
         }
         if point.effective_samples.is_nan() || point.effective_samples <= 1.0 {
             let value = point.effective_samples;
-            return Err(AnalysisError::OutOfRange {
-                name: "effective_samples",
-                value,
-                requirement: "above 1",
-            });
+            return Err(AnalysisError::OutOfRange { name: "effective_samples", value, requirement: "above 1" });
         }
         if point.standard_error <= 0.0 {
             let value = point.standard_error;
-            return Err(AnalysisError::OutOfRange {
-                name: "standard_error",
-                value,
-                requirement: "positive",
-            });
+            return Err(AnalysisError::OutOfRange { name: "standard_error", value, requirement: "positive" });
         }
     }
     Ok(())

@@ -8,9 +8,7 @@ use mesoflux_analysis::{Blocking, Estimate};
 const TRIALS: u64 = 1000;
 
 fn contains(estimate: &Estimate, truth: f64) -> bool {
-    estimate
-        .interval(0.95)
-        .is_some_and(|(low, high)| low <= truth && truth <= high)
+    estimate.interval(0.95).is_some_and(|(low, high)| low <= truth && truth <= high)
 }
 
 /// Share of trials whose 95 % interval contains the truth.
@@ -27,10 +25,7 @@ fn intervals_cover_the_mean_of_autoregressive_series() {
     for memory in [0.0, 0.5, 0.9, 0.97] {
         for length in [1 << 14, 11_000] {
             let share = coverage(|random| (recorded_autoregressive(memory, length, random).estimate(), 0.0));
-            assert!(
-                (0.93..=0.97).contains(&share),
-                "memory {memory}, length {length}: {share}"
-            );
+            assert!((0.93..=0.97).contains(&share), "memory {memory}, length {length}: {share}");
         }
     }
 }
@@ -55,14 +50,7 @@ fn errors_without_blocking_would_not_cover() {
     let share = coverage(|random| {
         let blocking = recorded_autoregressive(0.9, 1 << 12, random);
         let naive = blocking.variance_of_mean_by_level(&[1.0]).unwrap()[0];
-        (
-            Estimate::new(
-                blocking.mean().unwrap()[0],
-                naive.variance_of_mean.sqrt(),
-                naive.blocks as f64,
-            ),
-            0.0,
-        )
+        (Estimate::new(blocking.mean().unwrap()[0], naive.variance_of_mean.sqrt(), naive.blocks as f64), 0.0)
     });
     assert!(share < 0.5, "{share}");
 }
@@ -71,12 +59,7 @@ fn errors_without_blocking_would_not_cover() {
 fn white_noise_has_the_textbook_error() {
     let (length, trials) = (10_000, 200);
     let mean_square: f64 = (0..trials)
-        .map(|seed| {
-            recorded_autoregressive(0.0, length, &mut Random::new(seed))
-                .estimate()
-                .standard_error
-                .unwrap()
-        })
+        .map(|seed| recorded_autoregressive(0.0, length, &mut Random::new(seed)).estimate().standard_error.unwrap())
         .map(|error| error * error * length as f64 / trials as f64)
         .sum();
     assert!((mean_square - 1.0).abs() < 0.03, "{mean_square}");
@@ -114,10 +97,7 @@ fn a_huge_mean_costs_no_digits() {
 #[test]
 fn a_linear_functional_equals_the_recorded_combination() {
     let mut random = Random::new(3);
-    let (mut slow, mut fast) = (
-        Autoregressive::new(0.95, &mut random),
-        Autoregressive::new(0.2, &mut random),
-    );
+    let (mut slow, mut fast) = (Autoregressive::new(0.95, &mut random), Autoregressive::new(0.2, &mut random));
     let (mut vector, mut scalar) = (Blocking::new(2).unwrap(), Blocking::new(1).unwrap());
     for _ in 0..3000 {
         let (a, b) = (slow.next(&mut random), fast.next(&mut random));
@@ -138,9 +118,7 @@ fn ratios_and_functions_are_calibrated() {
         let (mut y, mut z) = (Autoregressive::new(0.9, random), Autoregressive::new(0.5, random));
         for _ in 0..4096 {
             let denominator = 5.0 + y.next(random);
-            blocking
-                .record(&[2.0 * denominator + 0.1 * z.next(random), denominator])
-                .unwrap();
+            blocking.record(&[2.0 * denominator + 0.1 * z.next(random), denominator]).unwrap();
         }
         blocking
     };
@@ -182,10 +160,7 @@ fn replicas_that_disagree_show_in_the_error() {
 fn the_blocking_plot_rises_to_the_plateau() {
     let blocking = recorded_autoregressive(0.9, 1 << 16, &mut Random::new(5));
     let levels = blocking.variance_of_mean_by_level(&[1.0]).unwrap();
-    assert_eq!(
-        (levels[0].blocks, levels[3].block_length, levels.last().unwrap().blocks),
-        (1 << 16, 8, 2)
-    );
+    assert_eq!((levels[0].blocks, levels[3].block_length, levels.last().unwrap().blocks), (1 << 16, 8, 2));
     let plateau = 19.0 / f64::from(1 << 16);
     assert!((levels[8].variance_of_mean - plateau).abs() < 3.0 * levels[8].standard_error);
     assert!(levels[0].variance_of_mean < 0.1 * plateau);

@@ -19,10 +19,7 @@ fn measured(
     let estimates: Vec<DiffusionEstimate> = (0..SERIES)
         .map(|seed| recorded_motion(motion, particles, lags, records, &mut Random::new(seed)).diffusion_coefficient())
         .collect();
-    let scores = estimates
-        .iter()
-        .filter_map(|d| d.estimate.z_score_against(exact, 0.0))
-        .collect();
+    let scores = estimates.iter().filter_map(|d| d.estimate.z_score_against(exact, 0.0)).collect();
     (estimates, scores)
 }
 
@@ -39,10 +36,7 @@ fn brownian_motion() {
     let (estimates, scores) = measured(Motion::Brownian, 10, 16, 3000, 0.5);
     assert!(scores.len() >= 190, "{}", scores.len());
     assert_calibrated(&scores);
-    let precise = estimates
-        .iter()
-        .filter_map(|d| d.estimate.relative_error())
-        .all(|error| error < 0.05);
+    let precise = estimates.iter().filter_map(|d| d.estimate.relative_error()).all(|error| error < 0.05);
     assert!(precise);
 }
 
@@ -52,18 +46,11 @@ fn langevin_motion_is_fitted_past_the_ballistic_regime() {
     assert!(scores.len() >= 180, "{}", scores.len());
     assert_calibrated(&scores);
     // Velocities relax within one unit of time.
-    let begins: Vec<f64> = estimates
-        .iter()
-        .filter_map(|d| d.window)
-        .map(|window| window.0)
-        .collect();
+    let begins: Vec<f64> = estimates.iter().filter_map(|d| d.window).map(|window| window.0).collect();
     let mean = begins.iter().sum::<f64>() / begins.len() as f64;
     assert!(begins.iter().all(|&begin| begin >= 1.0) && mean > 2.0, "{mean}");
     // The exact line is 6(t − 1).
-    let intercepts: Vec<f64> = estimates
-        .iter()
-        .filter_map(|d| d.intercept.z_score_against(-6.0, 0.0))
-        .collect();
+    let intercepts: Vec<f64> = estimates.iter().filter_map(|d| d.intercept.z_score_against(-6.0, 0.0)).collect();
     assert!(standard_normal_summary(&intercepts).unwrap().mean.abs() < 0.3);
 }
 
@@ -89,9 +76,7 @@ fn replicas_are_pooled() {
             let mut random = Random::new(seed);
             let mut pooled = recorded_motion(Motion::Brownian, 10, 16, 750, &mut random);
             for _ in 1..4 {
-                pooled
-                    .merge(&recorded_motion(Motion::Brownian, 10, 16, 750, &mut random))
-                    .unwrap();
+                pooled.merge(&recorded_motion(Motion::Brownian, 10, 16, 750, &mut random)).unwrap();
             }
             pooled
         })
@@ -105,10 +90,7 @@ fn replicas_are_pooled() {
 fn confined_particles_do_not_diffuse() {
     let (estimates, _) = measured(Motion::Confined { spacing: 0.5 }, 10, 40, 2000, 0.0);
     for diffusion in &estimates {
-        assert!(
-            diffusion.estimate.value.is_none_or(|value| value.abs() < 0.05),
-            "{diffusion:?}"
-        );
+        assert!(diffusion.estimate.value.is_none_or(|value| value.abs() < 0.05), "{diffusion:?}");
     }
     let warned = estimates.iter().filter(|d| !d.estimate.warnings.is_empty()).count();
     assert!(warned >= 185, "{warned}");

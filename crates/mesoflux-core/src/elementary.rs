@@ -52,10 +52,7 @@ fn scaled_exponential(x: f64) -> (f64, f64) {
     tail = tail * r + 1.0 / 6.0;
     tail = tail * r + 0.5;
     let reduced = r + r * r * tail;
-    (
-        f64::from_bits((shifted.to_bits() << 52).wrapping_add(1023 << 52)),
-        reduced,
-    )
+    (f64::from_bits((shifted.to_bits() << 52).wrapping_add(1023 << 52)), reduced)
 }
 
 /// ln u for a positive, finite, normal u.
@@ -146,10 +143,7 @@ mod tests {
 
     #[test]
     fn logarithm_agrees_with_the_system_library() {
-        for u in grid(1e-12, 1.0)
-            .chain(grid(0.5, 3.0))
-            .chain((1..=52).map(|e| 2f64.powi(-e)))
-        {
+        for u in grid(1e-12, 1.0).chain(grid(0.5, 3.0)).chain((1..=52).map(|e| 2f64.powi(-e))) {
             let (value, expected) = (ln(u), u.ln());
             let error = (value - expected).abs() / expected.abs().max(0.6);
             assert!(error < 5e-16, "u = {u}: error {error}");
@@ -162,11 +156,7 @@ mod tests {
         for u in grid(0.0, 1.0) {
             // cos(2πu) = sin(2π(¼ − u)): the library's argument is exact enough only near zero, so fold first.
             let folded = (0.25 - u) - (0.25 - u).round();
-            let expected = if folded.abs() > 0.25 {
-                folded.signum() * 0.5 - folded
-            } else {
-                folded
-            };
+            let expected = if folded.abs() > 0.25 { folded.signum() * 0.5 - folded } else { folded };
             let error = (cos_two_pi(u) - (std::f64::consts::TAU * expected).sin()).abs();
             assert!(error < 3e-16, "u = {u}: error {error}");
         }

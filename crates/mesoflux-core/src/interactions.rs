@@ -16,10 +16,7 @@ pub struct PairTable<T> {
 impl<T> PairTable<T> {
     /// A table filled by a function of the two species' indices, the smaller first.
     pub fn from_fn(species: usize, mut entry: impl FnMut(usize, usize) -> T) -> Self {
-        let entries = (0..species)
-            .flat_map(|b| (0..=b).map(move |a| (a, b)))
-            .map(|(a, b)| entry(a, b))
-            .collect();
+        let entries = (0..species).flat_map(|b| (0..=b).map(move |a| (a, b))).map(|(a, b)| entry(a, b)).collect();
         Self { species, entries }
     }
 

@@ -13,12 +13,7 @@ pub fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     for _ in 0..10 {
         let a = u64::from(counter[0]) * 0xD251_1F53;
         let b = u64::from(counter[2]) * 0xCD9E_8D57;
-        counter = [
-            (b >> 32) as u32 ^ counter[1] ^ key[0],
-            b as u32,
-            (a >> 32) as u32 ^ counter[3] ^ key[1],
-            a as u32,
-        ];
+        counter = [(b >> 32) as u32 ^ counter[1] ^ key[0], b as u32, (a >> 32) as u32 ^ counter[3] ^ key[1], a as u32];
         key = [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)];
     }
     counter
@@ -51,9 +46,9 @@ impl NoiseKey {
     ///
     /// Two runs that differ in any one of them draw different noise.
     pub fn new(identity: &[u64]) -> Self {
-        let run = identity.iter().fold(0x6D65_736F_666C_7578, |key, &number| {
-            mix(key ^ mix(number.wrapping_add(0x9E37_79B9_7F4A_7C15)))
-        });
+        let run = identity
+            .iter()
+            .fold(0x6D65_736F_666C_7578, |key, &number| mix(key ^ mix(number.wrapping_add(0x9E37_79B9_7F4A_7C15))));
         Self { run }
     }
 
@@ -63,9 +58,7 @@ impl NoiseKey {
     pub fn draw(&self, purpose: Purpose, step: u64, place: u64) -> Draw {
         let counter = (step << 16) ^ (place << 4) ^ purpose as u64;
         let key = mix(self.run.wrapping_add(counter.wrapping_mul(0x9E37_79B9_7F4A_7C15)));
-        Draw {
-            key: [key as u32, (key >> 32) as u32],
-        }
+        Draw { key: [key as u32, (key >> 32) as u32] }
     }
 }
 
@@ -80,10 +73,7 @@ impl Draw {
     #[inline(always)]
     fn words(self, a: u64, b: u64) -> [u64; 2] {
         let r = philox([a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32], self.key);
-        [
-            u64::from(r[0]) | u64::from(r[1]) << 32,
-            u64::from(r[2]) | u64::from(r[3]) << 32,
-        ]
+        [u64::from(r[0]) | u64::from(r[1]) << 32, u64::from(r[2]) | u64::from(r[3]) << 32]
     }
 
     /// A number uniform in [0, 1) with 52 bits.
@@ -96,8 +86,30 @@ impl Draw {
     #[inline(always)]
     pub fn gaussian(self, a: u64, b: u64) -> f64 {
         let [first, second] = self.words(a, b);
-        // 1 − u lies in (0, 1]: its logarithm is finite.
-        (-2.0 * ln(1.0 - unit_interval(first))).sqrt() * cos_two_pi(unit_interval(second))
+        box_muller(first, second)
+    }
+
+    /// The normal deviates of up to `N` unordered pairs of particles, given by their places in the column of ids.
+    ///
+    /// The same numbers as `pair_gaussian` gives one by one; three plain loops that become vector instructions.
+    #[inline(always)]
+    pub fn pair_gaussians<const N: usize>(self, id: &[u64], first: &[u32], second: &[u32]) -> [f64; N] {
+        let (mut smaller, mut larger) = ([0; N], [0; N]);
+        for ((&i, &j), (a, b)) in first.iter().zip(second).zip(smaller.iter_mut().zip(&mut larger)) {
+            let (i, j) = (id[i as usize], id[j as usize]);
+            (*a, *b) = (i.min(j), i.max(j));
+        }
+        let mut words = [[0; N]; 2];
+        for n in 0..N {
+            let [a, b] = self.words(smaller[n], larger[n]);
+            words[0][n] = a;
+            words[1][n] = b;
+        }
+        let mut gaussians = [0.0; N];
+        for n in 0..N {
+            gaussians[n] = box_muller(words[0][n], words[1][n]);
+        }
+        gaussians
     }
 
     /// The normal deviate of an unordered pair of particles, the same whichever comes first.
@@ -105,6 +117,13 @@ impl Draw {
     pub fn pair_gaussian(self, i: u64, j: u64) -> f64 {
         self.gaussian(i.min(j), i.max(j))
     }
+}
+
+/// One normal deviate from two random words (Box & Muller, Ann. Math. Stat. 29, 610 (1958)).
+#[inline(always)]
+fn box_muller(first: u64, second: u64) -> f64 {
+    // 1 − u lies in (0, 1]: its logarithm is finite.
+    (-2.0 * ln(1.0 - unit_interval(first))).sqrt() * cos_two_pi(unit_interval(second))
 }
 
 /// The upper 52 bits of a word as a number in [0, 1).
@@ -122,11 +141,7 @@ mod tests {
     fn philox_gives_the_published_answers() {
         let cases = [
             ([0; 4], [0; 2], [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]),
-            (
-                [u32::MAX; 4],
-                [u32::MAX; 2],
-                [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd],
-            ),
+            ([u32::MAX; 4], [u32::MAX; 2], [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]),
             (
                 [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
                 [0xa409_3822, 0x299f_31d0],

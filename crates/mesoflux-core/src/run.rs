@@ -52,11 +52,7 @@ pub fn run(
     for step in 0..length.equilibration + length.production {
         let driven = simulation.step()?;
         if let Some(step) = (step + 1).checked_sub(length.equilibration).filter(|&step| step > 0) {
-            let mut moment = Moment {
-                simulation,
-                step,
-                driven,
-            };
+            let mut moment = Moment { simulation, step, driven };
             recorders.iter_mut().for_each(|recorder| recorder.observe(&mut moment));
         }
         if !supervise(simulation) {

@@ -49,22 +49,13 @@ impl Simulation {
             let Integrator::Splitting(schedule) = &integrator else {
                 return Err(SetupError::DrivingNeedsWord);
             };
-            let mute = schedule
-                .entries()
-                .iter()
-                .find(|(letter, _)| !letter.tells_expected_flux());
+            let mute = schedule.entries().iter().find(|(letter, _)| !letter.tells_expected_flux());
             if let (true, Some((letter, _))) = (driving.needs_expected_flux(), mute) {
                 return Err(SetupError::LetterCannotTell(letter.symbol()));
             }
             driving.begin(&mut system)?;
         }
-        Ok(Self {
-            system,
-            integrator,
-            driving,
-            noise,
-            time_step,
-        })
+        Ok(Self { system, integrator, driving, noise, time_step })
     }
 
     /// One time step.
@@ -81,13 +72,7 @@ impl Simulation {
                 for (place, (letter, share)) in schedule.entries().iter().enumerate() {
                     let time = share * self.time_step;
                     let response = self.driving.as_mut().and_then(|driving| driving.response(&self.system));
-                    let stroke = Stroke {
-                        time,
-                        place: place as u64,
-                        noise: self.noise,
-                        backward,
-                        response,
-                    };
+                    let stroke = Stroke { time, place: place as u64, noise: self.noise, backward, response };
                     let change = letter.apply(&mut self.system, &stroke)?;
                     if let Some(driving) = &mut self.driving {
                         driving.after_letter(&mut self.system, letter.symbol(), time, change);
@@ -97,10 +82,7 @@ impl Simulation {
         }
         self.system.step += 1;
         let time_step = self.time_step;
-        Ok(self
-            .driving
-            .as_mut()
-            .map(|driving| driving.end_step(&self.system, time_step)))
+        Ok(self.driving.as_mut().map(|driving| driving.end_step(&self.system, time_step)))
     }
 
     /// Δt.
@@ -110,8 +92,6 @@ impl Simulation {
 
     /// λ(q, p) at the present state, where the driving holds a flux.
     pub fn forcing_observable(&mut self) -> Option<f64> {
-        self.driving
-            .as_mut()
-            .and_then(|driving| driving.forcing_observable(&mut self.system))
+        self.driving.as_mut().and_then(|driving| driving.forcing_observable(&mut self.system))
     }
 }

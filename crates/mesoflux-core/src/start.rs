@@ -31,18 +31,11 @@ const SHUFFLE: u64 = 2;
 pub fn positions(start: Start, count: usize, region: &PeriodicBox, noise: NoiseKey) -> Vec<Vector> {
     let basis: &[Vector] = match start {
         Start::CubicLattice => &[[0.5, 0.5, 0.5]],
-        Start::FccLattice => &[
-            [0.25, 0.25, 0.25],
-            [0.25, 0.75, 0.75],
-            [0.75, 0.25, 0.75],
-            [0.75, 0.75, 0.25],
-        ],
+        Start::FccLattice => &[[0.25, 0.25, 0.25], [0.25, 0.75, 0.75], [0.75, 0.25, 0.75], [0.75, 0.75, 0.25]],
         Start::Random => {
             let draw = noise.draw(Purpose::Start, 0, POSITIONS);
             let coordinate = |id: u64, axis: usize| draw.uniform(id, axis as u64) * region.sides()[axis];
-            return (0..count as u64)
-                .map(|id| std::array::from_fn(|axis| coordinate(id, axis)))
-                .collect();
+            return (0..count as u64).map(|id| std::array::from_fn(|axis| coordinate(id, axis))).collect();
         }
     };
     let cells = lattice_cells(count.div_ceil(basis.len()), region.sides());
@@ -51,11 +44,7 @@ pub fn positions(start: Start, count: usize, region: &PeriodicBox, noise: NoiseK
         .map(|k| {
             let site = (k as u128 * sites as u128 / count as u128) as usize;
             let (cell, atom) = (site / basis.len(), basis[site % basis.len()]);
-            let place = [
-                cell % cells[0],
-                cell / cells[0] % cells[1],
-                cell / (cells[0] * cells[1]),
-            ];
+            let place = [cell % cells[0], cell / cells[0] % cells[1], cell / (cells[0] * cells[1])];
             std::array::from_fn(|axis| (place[axis] as f64 + atom[axis]) * region.sides()[axis] / cells[axis] as f64)
         })
         .collect()
@@ -74,10 +63,7 @@ fn lattice_cells(count: usize, sides: Vector) -> [usize; 3] {
 
 /// Deals the species' numbers out to the particles at random (in order where there is but one species).
 pub fn deal_species(counts: &[usize], noise: NoiseKey) -> Vec<u8> {
-    let dealt = counts
-        .iter()
-        .enumerate()
-        .flat_map(|(species, &count)| std::iter::repeat_n(species as u8, count));
+    let dealt = counts.iter().enumerate().flat_map(|(species, &count)| std::iter::repeat_n(species as u8, count));
     let mut species: Vec<u8> = dealt.collect();
     if counts.len() > 1 {
         let draw = noise.draw(Purpose::Start, 0, SHUFFLE);
@@ -145,13 +131,7 @@ pub fn relax_overlaps(system: &mut System, temperature: f64) -> Result<(), Simul
 
 /// The largest distance below which a law calls two particles overlapping.
 fn contact_distance(interactions: &Interactions) -> f64 {
-    interactions
-        .potentials
-        .entries()
-        .iter()
-        .flatten()
-        .map(Potential::contact_distance)
-        .fold(0.0, f64::max)
+    interactions.potentials.entries().iter().flatten().map(Potential::contact_distance).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -191,13 +171,7 @@ mod tests {
             dot(d, d) < 0.51
         };
         for &site in &sites {
-            assert_eq!(
-                sites
-                    .iter()
-                    .filter(|&&other| other != site && near(site, other))
-                    .count(),
-                12
-            );
+            assert_eq!(sites.iter().filter(|&&other| other != site && near(site, other)).count(), 12);
         }
     }
 
@@ -219,12 +193,7 @@ mod tests {
     #[test]
     fn random_starts_of_hard_cores_are_relaxed() {
         let region = PeriodicBox::new([8.4; 3]).unwrap();
-        let law = LennardJones {
-            epsilon: 1.0,
-            sigma: 1.0,
-            cutoff: 2.5,
-            truncation: Truncation::ForceShifted,
-        };
+        let law = LennardJones { epsilon: 1.0, sigma: 1.0, cutoff: 2.5, truncation: Truncation::ForceShifted };
         let interactions = Interactions::uniform(Some(Potential::LennardJones(law)), None, 1.0);
         let sites = positions(Start::Random, 500, &region, NOISE());
         let particles = Particles::at_rest(sites, vec![0; 500], &[1.0]);

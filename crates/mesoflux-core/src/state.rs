@@ -90,9 +90,7 @@ impl Particles {
 
     /// Twice the kinetic energy, Σ p²/m.
     pub fn twice_kinetic_energy(&self, workers: Workers) -> f64 {
-        workers.sum(self.count(), |k| {
-            dot(self.momentum[k], self.momentum[k]) * self.inverse_mass[k]
-        })
+        workers.sum(self.count(), |k| dot(self.momentum[k], self.momentum[k]) * self.inverse_mass[k])
     }
 
     /// Σ p.

@@ -114,9 +114,7 @@ impl System {
             let squared = self.list.displacement_squared(&self.particles, *k);
             if squared.is_nan() { f64::INFINITY } else { squared }
         };
-        let k = (0..self.particles.count())
-            .max_by(|a, b| way(a).total_cmp(&way(b)))
-            .unwrap_or(0);
+        let k = (0..self.particles.count()).max_by(|a, b| way(a).total_cmp(&way(b))).unwrap_or(0);
         let norm = |v: Vector| dot(v, v).sqrt();
         SimulationError::Escaped {
             step: self.step,
@@ -136,8 +134,7 @@ impl System {
 
     fn update_contacts(&mut self) {
         if !self.contacts_current {
-            self.list
-                .update_contacts(&self.particles, !self.interactions.single_kind(), self.workers);
+            self.list.update_contacts(&self.particles, !self.interactions.single_kind(), self.workers);
             self.contacts_current = true;
         }
     }

@@ -35,9 +35,7 @@ impl OutputDirectory {
             return Err(DirectoryError::Exists(wanted.display().to_string()));
         }
         std::fs::create_dir_all(wanted).map_err(|source| failed(wanted, source))?;
-        Ok(Self {
-            path: wanted.to_owned(),
-        })
+        Ok(Self { path: wanted.to_owned() })
     }
 
     /// Makes a new directory named after an input: `name`, or `name-2`, `name-3`, … where that is taken.
@@ -45,15 +43,9 @@ impl OutputDirectory {
     /// # Errors
     /// A directory that can't be made.
     pub fn named_after(input: &Path) -> Result<Self, DirectoryError> {
-        let name = input
-            .file_stem()
-            .map_or_else(|| "run".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        let name = input.file_stem().map_or_else(|| "run".to_owned(), |stem| stem.to_string_lossy().into_owned());
         for number in 1u64.. {
-            let path = PathBuf::from(if number == 1 {
-                name.clone()
-            } else {
-                format!("{name}-{number}")
-            });
+            let path = PathBuf::from(if number == 1 { name.clone() } else { format!("{name}-{number}") });
             // Making the directory is the test: two runs that start at once can't both have it.
             match std::fs::create_dir(&path) {
                 Ok(()) => return Ok(Self { path }),
@@ -87,10 +79,7 @@ impl OutputDirectory {
 }
 
 fn failed(path: &Path, source: std::io::Error) -> DirectoryError {
-    DirectoryError::Io {
-        path: path.display().to_string(),
-        source,
-    }
+    DirectoryError::Io { path: path.display().to_string(), source }
 }
 
 #[cfg(test)]
@@ -103,17 +92,10 @@ mod tests {
         let wanted = parent.path().join("out");
         let first = OutputDirectory::explicit(&wanted, false).unwrap();
         first.write("results.json", b"{}").unwrap();
-        assert!(matches!(
-            OutputDirectory::explicit(&wanted, false),
-            Err(DirectoryError::Exists(_))
-        ));
+        assert!(matches!(OutputDirectory::explicit(&wanted, false), Err(DirectoryError::Exists(_))));
         let forced = OutputDirectory::explicit(&wanted, true).unwrap();
         forced.write("results.json", b"[]").unwrap();
         assert_eq!(std::fs::read(wanted.join("results.json")).unwrap(), b"[]");
-        assert_eq!(
-            std::fs::read_dir(&wanted).unwrap().count(),
-            1,
-            "no temporary file is left"
-        );
+        assert_eq!(std::fs::read_dir(&wanted).unwrap().count(), 1, "no temporary file is left");
     }
 }

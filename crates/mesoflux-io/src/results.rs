@@ -104,15 +104,10 @@ impl EstimateRecord {
         let finite = |number: Option<f64>| number.filter(|number| number.is_finite());
         self.value = finite(estimate.value);
         self.standard_error = finite(estimate.standard_error);
-        self.effective_samples = if estimate.effective_samples.is_finite() {
-            estimate.effective_samples
-        } else {
-            0.0
-        };
+        self.effective_samples = if estimate.effective_samples.is_finite() { estimate.effective_samples } else { 0.0 };
         self.warnings.extend(estimate.warnings.iter().cloned());
         if self.value.is_none() && self.warnings.is_empty() {
-            self.warnings
-                .push("cannot tell: the estimator gave no finite number".to_owned());
+            self.warnings.push("cannot tell: the estimator gave no finite number".to_owned());
         }
     }
 }
@@ -121,11 +116,7 @@ impl EstimateRecord {
 pub fn csv(header: &[&str], rows: &[Vec<f64>]) -> String {
     let mut text = header.join(",") + "\n";
     for row in rows {
-        text += &row
-            .iter()
-            .map(|number| format!("{number:.12e}"))
-            .collect::<Vec<_>>()
-            .join(",");
+        text += &row.iter().map(|number| format!("{number:.12e}")).collect::<Vec<_>>().join(",");
         text.push('\n');
     }
     text

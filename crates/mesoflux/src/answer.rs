@@ -40,21 +40,14 @@ pub fn answer(
     for (index, point) in plan.points.iter().enumerate() {
         let first = estimates.len();
         for (place, measurement) in point.measurements.iter().enumerate() {
-            let failed = |source| JobError::Route {
-                place: format!("measure.{}", measurement.name),
-                source,
-            };
+            let failed = |source| JobError::Route { place: format!("measure.{}", measurement.name), source };
             let mut record = blank(point, measurement);
             if let Some(records) = merged_records(plan, finished, index, place).map_err(failed)? {
                 let outcome = measurement.route.estimate(&point.input, &records).map_err(failed)?;
                 record.take(&outcome.estimate);
                 record.conditions.extend(outcome.conditions);
                 if let Some((header, rows)) = outcome.table {
-                    let suffix = if plan.points.len() > 1 {
-                        format!("-{}", index + 1)
-                    } else {
-                        String::new()
-                    };
+                    let suffix = if plan.points.len() > 1 { format!("-{}", index + 1) } else { String::new() };
                     let name = format!("{}-{}{suffix}.csv", measurement.name, record.method);
                     tables.push((name.clone(), csv(&header, &rows)));
                     record.table = Some(name);
@@ -125,19 +118,12 @@ fn compare(point: &PointPlan, estimates: &[EstimateRecord]) -> Vec<Comparison> {
     let mut comparisons = Vec::new();
     for (second, b) in estimates.iter().enumerate() {
         for (first, a) in estimates[..second].iter().enumerate() {
-            let shared = point.measurements[first]
-                .runs
-                .iter()
-                .any(|run| point.measurements[second].runs.contains(run));
+            let shared = point.measurements[first].runs.iter().any(|run| point.measurements[second].runs.contains(run));
             if a.measurement != b.measurement || shared {
                 continue;
             }
             let estimate = |record: &EstimateRecord| {
-                Some(Estimate::new(
-                    record.value?,
-                    record.standard_error?,
-                    record.effective_samples,
-                ))
+                Some(Estimate::new(record.value?, record.standard_error?, record.effective_samples))
             };
             if let (Some(left), Some(right)) = (estimate(a), estimate(b)) {
                 comparisons.push(Comparison {

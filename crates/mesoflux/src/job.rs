@@ -69,12 +69,7 @@ const SMALL_SYSTEM: u64 = 4000;
 pub fn perform(plan: &Plan, threads: usize, progress: &Progress) -> Result<Vec<Finished>, JobError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let tasks = plan.tasks();
-    let largest = plan
-        .points
-        .iter()
-        .map(|point| point.input.particles())
-        .max()
-        .unwrap_or(0);
+    let largest = plan.points.iter().map(|point| point.input.particles()).max().unwrap_or(0);
     let stop = AtomicBool::new(false);
     let attempt = |task: &Task, workers: Workers| {
         let finished = perform_task(plan, *task, workers, &stop, progress);
@@ -86,11 +81,7 @@ pub fn perform(plan: &Plan, threads: usize, progress: &Progress) -> Result<Vec<F
     // Side by side when there are runs enough or each is too small to split; else one after the other, each on all threads.
     let finished: Vec<_> = pool.install(|| {
         if tasks.len() >= threads || largest < SMALL_SYSTEM {
-            tasks
-                .par_iter()
-                .with_max_len(1)
-                .map(|task| attempt(task, Workers::One))
-                .collect()
+            tasks.par_iter().with_max_len(1).map(|task| attempt(task, Workers::One)).collect()
         } else {
             tasks.iter().map(|task| attempt(task, Workers::Pool)).collect()
         }
@@ -113,10 +104,7 @@ fn perform_task(
     let point = &plan.points[task.point];
     let input = &point.input;
     let place = place(point, task);
-    let refused = |source: RouteError| JobError::Route {
-        place: place.clone(),
-        source,
-    };
+    let refused = |source: RouteError| JobError::Route { place: place.clone(), source };
     let mut simulation = simulation(point, task, workers, &place)?;
     let mut thermometer = Thermometer::new(input.run.sample_interval).map_err(refused)?;
     let mut recorders: Vec<(usize, Box<dyn RouteRecorder>)> = Vec::new();
@@ -130,32 +118,22 @@ fn perform_task(
         production: input.steps(input.run.production_time),
     };
     let ending = {
-        let borrowed = recorders
-            .iter_mut()
-            .map(|(_, recorder)| Box::new(Borrowed(recorder.as_mut())) as Box<dyn Recorder>);
+        let borrowed =
+            recorders.iter_mut().map(|(_, recorder)| Box::new(Borrowed(recorder.as_mut())) as Box<dyn Recorder>);
         let mut all: Vec<Box<dyn Recorder>> = borrowed.collect();
         all.push(Box::new(&mut thermometer));
         run(&mut simulation, length, &mut all, |simulation| {
             progress.step(&simulation.system);
             !stop.load(Ordering::Relaxed)
         })
-        .map_err(|source| JobError::Simulation {
-            place: place.clone(),
-            source,
-        })?
+        .map_err(|source| JobError::Simulation { place: place.clone(), source })?
     };
     if ending == Ending::Stopped {
         return Ok(None);
     }
-    let records = recorders
-        .into_iter()
-        .map(|(index, recorder)| Ok((index, recorder.finish()?)))
-        .collect::<Result<_, _>>();
-    Ok(Some(Finished {
-        task,
-        records: records.map_err(refused)?,
-        temperature: thermometer.mean(),
-    }))
+    let records =
+        recorders.into_iter().map(|(index, recorder)| Ok((index, recorder.finish()?))).collect::<Result<_, _>>();
+    Ok(Some(Finished { task, records: records.map_err(refused)?, temperature: thermometer.mean() }))
 }
 
 /// Which run this is, for messages.
@@ -175,31 +153,17 @@ fn simulation(point: &PointPlan, task: Task, workers: Workers, place: &str) -> R
     let input = &point.input;
     let kind = &point.runs[task.run];
     let [route, forcing, strength] = kind.identity();
-    let noise = NoiseKey::new(&[
-        input.run.seed,
-        task.point as u64,
-        route,
-        forcing,
-        strength,
-        task.replica,
-    ]);
-    let refused = |reason: String| JobError::Setup {
-        place: place.to_owned(),
-        reason,
-    };
+    let noise = NoiseKey::new(&[input.run.seed, task.point as u64, route, forcing, strength, task.replica]);
+    let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let system = start(input, noise, workers, place)?;
     let driving: Option<Box<dyn Driving>> = match *kind {
         RunKind::Equilibrium => None,
         RunKind::Nemd { forcing, magnitude } => {
-            let forcing = forcing
-                .forcing(system.particles.count())
-                .map_err(|error| refused(error.to_string()))?;
+            let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
             Some(Box::new(ConstantForce::new(forcing, magnitude)))
         }
         RunKind::Norton { forcing, flux } => {
-            let forcing = forcing
-                .forcing(system.particles.count())
-                .map_err(|error| refused(error.to_string()))?;
+            let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
             Some(Box::new(ConstantFlux::new(forcing, flux)))
         }
     };
@@ -210,10 +174,7 @@ fn simulation(point: &PointPlan, task: Task, workers: Workers, place: &str) -> R
 
 /// The system of an input: particles placed, overlaps relaxed, momenta drawn.
 fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Result<System, JobError> {
-    let refused = |reason: String| JobError::Setup {
-        place: place.to_owned(),
-        reason,
-    };
+    let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let region = input.region().map_err(|error| refused(error.to_string()))?;
     let species = deal_species(&input.species_counts(), noise);
     let positions = positions(input.system.start, species.len(), &region, noise);
@@ -221,10 +182,8 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
     let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)
         .map_err(|error| refused(error.to_string()))?;
     if input.system.start == mesoflux_core::start::Start::Random {
-        relax_overlaps(&mut system, input.dynamics.temperature).map_err(|source| JobError::Simulation {
-            place: format!("{place}, relaxing the start"),
-            source,
-        })?;
+        relax_overlaps(&mut system, input.dynamics.temperature)
+            .map_err(|source| JobError::Simulation { place: format!("{place}, relaxing the start"), source })?;
     }
     draw_momenta(&mut system.particles, input.dynamics.temperature, noise);
     Ok(system)
@@ -244,10 +203,7 @@ pub fn merged_records(
     for &run in &plan.points[point].measurements[measurement].runs {
         let mut merged: Option<Record> = None;
         // Replicas are merged in their order, so that the sum has the same bits whichever finished first.
-        for task in finished
-            .iter()
-            .filter(|finished| finished.task.point == point && finished.task.run == run)
-        {
+        for task in finished.iter().filter(|finished| finished.task.point == point && finished.task.run == run) {
             for (_, record) in task.records.iter().filter(|(index, _)| *index == measurement) {
                 match &mut merged {
                     None => merged = Some(record.clone()),
@@ -280,10 +236,7 @@ struct Thermometer {
 
 impl Thermometer {
     fn new(interval: u64) -> Result<Self, RouteError> {
-        Ok(Self {
-            interval,
-            series: Blocking::new(1)?,
-        })
+        Ok(Self { interval, series: Blocking::new(1)? })
     }
 
     fn mean(&self) -> Option<f64> {

@@ -95,10 +95,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: RunArguments) -> Result<(), Failure> {
     let mut settings = arguments.settings;
-    settings.extend(arguments.seed.map(|seed| Setting {
-        path: "run.seed".into(),
-        value: seed.to_string(),
-    }));
+    settings.extend(arguments.seed.map(|seed| Setting { path: "run.seed".into(), value: seed.to_string() }));
     let file = InputFile::read(&arguments.input, &settings)?;
     let plan = Plan::new(&file)?;
     let directory = match &arguments.out {
@@ -114,10 +111,7 @@ fn run(arguments: RunArguments) -> Result<(), Failure> {
     let start = Instant::now();
     let finished = perform(&plan, threads, &progress);
     progress.finish();
-    let circumstances = Circumstances {
-        threads,
-        wall_seconds: start.elapsed().as_secs_f64(),
-    };
+    let circumstances = Circumstances { threads, wall_seconds: start.elapsed().as_secs_f64() };
     let answer = answer(&file.input, &plan, &finished?, circumstances)?;
     for (name, contents) in &answer.tables {
         directory.write(name, contents.as_bytes())?;
@@ -134,10 +128,7 @@ fn run(arguments: RunArguments) -> Result<(), Failure> {
         let place = directory.path().join("results.json");
         std::io::Write::write_fmt(
             &mut output,
-            format_args!(
-                "\n{seconds:.1} s on {threads} threads; results in {}\n",
-                place.display()
-            ),
+            format_args!("\n{seconds:.1} s on {threads} threads; results in {}\n", place.display()),
         )?;
     }
     Ok(())

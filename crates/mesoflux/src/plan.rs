@@ -53,16 +53,10 @@ impl Plan {
     pub fn new(file: &InputFile) -> Result<Self, InputError> {
         let point = |point: &mesoflux_io::input::Point| {
             let input = file.at(point)?;
-            let conditions = point
-                .values
-                .iter()
-                .map(|(path, value)| (path.clone(), json(value)))
-                .collect();
+            let conditions = point.values.iter().map(|(path, value)| (path.clone(), json(value))).collect();
             Ok(PointPlan::new(conditions, input))
         };
-        Ok(Self {
-            points: file.sweep.points.iter().map(point).collect::<Result<_, _>>()?,
-        })
+        Ok(Self { points: file.sweep.points.iter().map(point).collect::<Result<_, _>>()? })
     }
 
     /// Every replica of every run.
@@ -102,12 +96,7 @@ impl PointPlan {
         if runs.is_empty() {
             runs.push(RunKind::Equilibrium);
         }
-        Self {
-            conditions,
-            input,
-            measurements,
-            runs,
-        }
+        Self { conditions, input, measurements, runs }
     }
 
     /// Steps of one run, equilibration included.

@@ -17,20 +17,13 @@ pub struct Progress {
 impl Progress {
     /// A bar for `steps` steps; invisible if `quiet` or if standard error is no terminal.
     pub fn new(steps: u64, quiet: bool) -> Self {
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(steps), target);
         let template = "{bar:30} {percent:>3} %  {elapsed} elapsed, {eta} left  {msg}";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
         }
-        Self {
-            bar,
-            steps: AtomicU64::new(0),
-        }
+        Self { bar, steps: AtomicU64::new(0) }
     }
 
     /// One step of one run was done.
@@ -39,8 +32,7 @@ impl Progress {
         if system.step % LOOK == 0 {
             self.bar.set_position(done);
             if !self.bar.is_hidden() {
-                self.bar
-                    .set_message(format!("kT = {:.3}", system.kinetic_temperature()));
+                self.bar.set_message(format!("kT = {:.3}", system.kinetic_temperature()));
             }
         }
     }

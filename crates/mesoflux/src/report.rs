@@ -29,14 +29,7 @@ fn count(number: f64) -> String {
 
 /// The results as a table, with what a reader must know beneath.
 pub fn table(results: &Results) -> String {
-    let header = [
-        "measurement",
-        "method",
-        "value (error)",
-        "relative error",
-        "particle-steps",
-    ]
-    .map(str::to_owned);
+    let header = ["measurement", "method", "value (error)", "relative error", "particle-steps"].map(str::to_owned);
     let swept = !results.input.sweep.is_empty();
     let mut rows = vec![header.to_vec()];
     rows.extend(results.estimates.iter().map(|record| row(record)));
@@ -55,16 +48,8 @@ pub fn table(results: &Results) -> String {
         let [a, b] = comparison.methods;
         if let Some(z) = comparison.z {
             let verdict = if z.abs() <= 3.0 { "agree" } else { "DISAGREE" };
-            let at: String = comparison
-                .conditions
-                .iter()
-                .map(|(key, value)| format!(", {key} = {value}"))
-                .collect();
-            let _ = writeln!(
-                text,
-                "{}{at}: {a} and {b} {verdict}, z = {z:.2}",
-                comparison.measurement
-            );
+            let at: String = comparison.conditions.iter().map(|(key, value)| format!(", {key} = {value}")).collect();
+            let _ = writeln!(text, "{}{at}: {a} and {b} {verdict}, z = {z:.2}", comparison.measurement);
         }
     }
     for record in &results.estimates {
@@ -77,18 +62,14 @@ pub fn table(results: &Results) -> String {
 
 fn row(record: &EstimateRecord) -> Vec<String> {
     let (value, relative) = match (record.value, record.standard_error) {
-        (Some(value), Some(error)) => (
-            value_with_error(value, error),
-            format!("{:.1} %", 100.0 * (error / value).abs()),
-        ),
+        (Some(value), Some(error)) => {
+            (value_with_error(value, error), format!("{:.1} %", 100.0 * (error / value).abs()))
+        }
         (Some(value), None) => (format!("{value:.4} (error unknown)"), String::new()),
         _ => ("cannot tell".to_owned(), String::new()),
     };
-    let quantity = if record.measurement == record.quantity {
-        String::new()
-    } else {
-        format!(" ({})", record.quantity)
-    };
+    let quantity =
+        if record.measurement == record.quantity { String::new() } else { format!(" ({})", record.quantity) };
     vec![
         record.measurement.clone() + &quantity,
         record.method.to_owned(),
@@ -113,32 +94,20 @@ fn point(record: &EstimateRecord, results: &Results) -> String {
     };
     let name = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
     let values = record.conditions.iter().filter(|(path, _)| swept(path));
-    values
-        .map(|(path, value)| format!("{} = {value}", name(path)))
-        .collect::<Vec<_>>()
-        .join(", ")
+    values.map(|(path, value)| format!("{} = {value}", name(path))).collect::<Vec<_>>().join(", ")
 }
 
 /// Columns of equal width, the header underlined.
 fn columns(rows: &[Vec<String>]) -> String {
     let count = rows.first().map_or(0, Vec::len);
-    let widths: Vec<usize> = (0..count)
-        .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
-        .collect();
+    let widths: Vec<usize> =
+        (0..count).map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
-    let rule = widths
-        .iter()
-        .map(|&width| "─".repeat(width))
-        .collect::<Vec<_>>()
-        .join("  ")
-        + "\n";
-    rows.iter()
-        .enumerate()
-        .map(|(k, row)| if k == 0 { line(row) + &rule } else { line(row) })
-        .collect()
+    let rule = widths.iter().map(|&width| "─".repeat(width)).collect::<Vec<_>>().join("  ") + "\n";
+    rows.iter().enumerate().map(|(k, row)| if k == 0 { line(row) + &rule } else { line(row) }).collect()
 }
 
 #[cfg(test)]

@@ -42,10 +42,7 @@ impl Content {
             #[cfg(unix)]
             Self::Link(to) => std::os::unix::fs::symlink(to, path),
             #[cfg(not(unix))]
-            Self::Link(_) => Err(io::Error::new(
-                io::ErrorKind::Unsupported,
-                "symbolic links are copied on Unix only",
-            )),
+            Self::Link(_) => Err(io::Error::new(io::ErrorKind::Unsupported, "symbolic links are copied on Unix only")),
         }
     }
 }
@@ -62,18 +59,11 @@ impl Copy {
     /// Reads what git tracks or would track (changes that are not committed included) and copies it.
     pub fn create(root: &Path, directory: &Path) -> Result<Self, Failure> {
         let arguments = ["ls-files", "-z", "--cached", "--others", "--exclude-standard"];
-        let listed = Command::new("git")
-            .current_dir(root)
-            .args(arguments)
-            .stdin(Stdio::null())
-            .output();
+        let listed = Command::new("git").current_dir(root).args(arguments).stdin(Stdio::null()).output();
         let listed = listed.map_err(|error| Failure::task(format!("git could not be started: {error}")))?;
         if !listed.status.success() {
             let reason = String::from_utf8_lossy(&listed.stderr);
-            return Err(Failure::task(format!(
-                "git could not list the files of the tree: {}",
-                reason.trim()
-            )));
+            return Err(Failure::task(format!("git could not list the files of the tree: {}", reason.trim())));
         }
         let mut files = BTreeMap::new();
         for name in listed.stdout.split(|byte| *byte == 0).filter(|name| !name.is_empty()) {
@@ -85,10 +75,7 @@ impl Copy {
                 files.insert(PathBuf::from(name), content);
             }
         }
-        let copy = Self {
-            files,
-            directory: directory.to_path_buf(),
-        };
+        let copy = Self { files, directory: directory.to_path_buf() };
         copy.restore()?;
         Ok(copy)
     }
@@ -109,11 +96,7 @@ impl Copy {
     pub fn differs(&self) -> Result<bool, Failure> {
         for (name, content) in &self.files {
             let path = self.directory.join(name);
-            if Content::read(&path)
-                .map_err(|error| Failure::file(&path, &error))?
-                .as_ref()
-                != Some(content)
-            {
+            if Content::read(&path).map_err(|error| Failure::file(&path, &error))?.as_ref() != Some(content) {
                 return Ok(true);
             }
         }
@@ -128,14 +111,8 @@ impl Copy {
         if let Some(parent) = self.directory.parent() {
             command.env("GIT_CEILING_DIRECTORIES", parent);
         }
-        command
-            .env_remove("GIT_DIR")
-            .env_remove("GIT_WORK_TREE")
-            .env_remove("GIT_INDEX_FILE");
-        command
-            .current_dir(&self.directory)
-            .args(["apply", "--whitespace=nowarn"])
-            .arg(patch);
+        command.env_remove("GIT_DIR").env_remove("GIT_WORK_TREE").env_remove("GIT_INDEX_FILE");
+        command.current_dir(&self.directory).args(["apply", "--whitespace=nowarn"]).arg(patch);
         command
     }
 }
@@ -165,10 +142,7 @@ fn remove_strangers(top: &Path, directory: &Path, files: &BTreeMap<PathBuf, Cont
         let name = path.strip_prefix(top).map_err(io::Error::other)?;
         if entry.file_type()?.is_dir() {
             // In order of paths, the files below a directory come right after the directory itself would.
-            let holds_files = files
-                .range(name.to_path_buf()..)
-                .next()
-                .is_some_and(|(file, _)| file.starts_with(name));
+            let holds_files = files.range(name.to_path_buf()..).next().is_some_and(|(file, _)| file.starts_with(name));
             if holds_files && !files.contains_key(name) {
                 remove_strangers(top, &path, files)?;
             } else {

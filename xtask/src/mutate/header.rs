@@ -44,9 +44,7 @@ impl Mutation {
                 if line.trim().is_empty() {
                     continue;
                 }
-                return Err(fail(
-                    "before the diff there must be only lines such as `# what: …`".into(),
-                ));
+                return Err(fail("before the diff there must be only lines such as `# what: …`".into()));
             };
             let (key, value) = comment
                 .split_once(':')
@@ -80,10 +78,7 @@ impl Mutation {
             return Err(missing("test"));
         }
         let prefix = format!("{package}::");
-        let tests = tests
-            .iter()
-            .map(|test| test.strip_prefix(&prefix).unwrap_or(test).to_string())
-            .collect();
+        let tests = tests.iter().map(|test| test.strip_prefix(&prefix).unwrap_or(test).to_string()).collect();
         Ok(Self {
             name: name.to_string(),
             what: what.ok_or_else(|| missing("what"))?,
@@ -109,9 +104,7 @@ fn parse_target(value: &str) -> Result<Vec<String>, String> {
         ["--lib" | "--bins" | "--tests"] | ["--bin" | "--test", _] => {
             Ok(words.iter().map(ToString::to_string).collect())
         }
-        _ => Err(format!(
-            "target = {value}: must be --lib, --bins, --tests, --bin NAME or --test NAME"
-        )),
+        _ => Err(format!("target = {value}: must be --lib, --bins, --tests, --bin NAME or --test NAME")),
     }
 }
 
@@ -172,10 +165,7 @@ mod tests {
             ("# what: w\n# what: v\n", "line 2: `what` must be given once"),
             ("# what:\n", "line 1: `what` must have a value"),
             ("# a remark\n", "line 1: must be `# KEY: VALUE`"),
-            (
-                "what: w\n",
-                "line 1: before the diff there must be only lines such as `# what: …`",
-            ),
+            ("what: w\n", "line 1: before the diff there must be only lines such as `# what: …`"),
             (
                 "# what: w\n# test: t\n# package: p\n# target: --doc\n",
                 "target = --doc: must be --lib, --bins, --tests, --bin NAME or --test NAME",
@@ -188,9 +178,6 @@ mod tests {
         for (header, message) in cases {
             assert_eq!(parse(header), Err(message.to_string()), "{header}");
         }
-        assert_eq!(
-            Mutation::parse("sign", HEADER),
-            Err("there must be a unified diff after the header".into())
-        );
+        assert_eq!(Mutation::parse("sign", HEADER), Err("there must be a unified diff after the header".into()));
     }
 }

@@ -42,13 +42,9 @@ impl Options {
                     return Err(Failure::usage(help::unknown("option of `mutate`", unknown, &known)));
                 }
                 // A path, as a shell completes it, names its file.
-                name => options.names.push(
-                    name.rsplit('/')
-                        .next()
-                        .unwrap_or(name)
-                        .trim_end_matches(".patch")
-                        .to_string(),
-                ),
+                name => {
+                    options.names.push(name.rsplit('/').next().unwrap_or(name).trim_end_matches(".patch").to_string())
+                }
             }
         }
         Ok(options)
@@ -125,7 +121,6 @@ fn select(mutations: Vec<Mutation>, names: &[String]) -> Result<Vec<Mutation>, F
 fn lock(place: &Path) -> Result<File, Failure> {
     let path = place.join("lock");
     let file = File::create(&path).map_err(|error| Failure::file(&path, &error))?;
-    file.try_lock()
-        .map_err(|_| Failure::task("another `cargo xtask mutate` is running in this target directory"))?;
+    file.try_lock().map_err(|_| Failure::task("another `cargo xtask mutate` is running in this target directory"))?;
     Ok(file)
 }

@@ -59,13 +59,7 @@ pub fn list(mutations: &[Mutation]) -> String {
 pub fn table(rows: &[Row]) -> String {
     let cells = |row: &Row| {
         let seconds = format!("{:.1}", row.time.as_secs_f64());
-        vec![
-            row.name.clone(),
-            cell(&row.what),
-            row.test.clone(),
-            row.verdict.to_string(),
-            seconds,
-        ]
+        vec![row.name.clone(), cell(&row.what), row.test.clone(), row.verdict.to_string(), seconds]
     };
     let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
     table::markdown(&["mutation", "what is broken", "test", "verdict", "seconds"], &rows)
@@ -74,11 +68,8 @@ pub fn table(rows: &[Row]) -> String {
 /// Success only when every test turned red under every mutation; otherwise which mutations fell short, and where
 /// their output is.
 pub fn conclude(rows: &[Row], place: &str) -> Result<(), Failure> {
-    let mut short: Vec<&str> = rows
-        .iter()
-        .filter(|row| row.verdict != Verdict::Red)
-        .map(|row| row.name.as_str())
-        .collect();
+    let mut short: Vec<&str> =
+        rows.iter().filter(|row| row.verdict != Verdict::Red).map(|row| row.name.as_str()).collect();
     short.dedup();
     let mut all: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
     all.dedup();

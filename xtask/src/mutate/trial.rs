@@ -92,18 +92,8 @@ impl Bench {
         if !self.builds(mutation, log)? {
             return Ok(None);
         }
-        let (_, output) = run(
-            self.cargo_test(mutation).args(["--", "--list"]),
-            log,
-            Some(mutation.timeout),
-        )?;
-        Ok(Some(
-            output
-                .lines()
-                .filter_map(|line| line.strip_suffix(": test"))
-                .map(str::to_string)
-                .collect(),
-        ))
+        let (_, output) = run(self.cargo_test(mutation).args(["--", "--list"]), log, Some(mutation.timeout))?;
+        Ok(Some(output.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_string).collect()))
     }
 
     /// Runs one test, whether marked as ignored or not.
@@ -118,12 +108,8 @@ impl Bench {
     fn cargo_test(&self, mutation: &Mutation) -> Command {
         let mut command = Command::new(&self.cargo);
         command.current_dir(&self.tree);
-        command
-            .env("CARGO_TARGET_DIR", &self.target)
-            .env("CARGO_TERM_COLOR", "never");
-        command
-            .args(["test", "--package", &mutation.package])
-            .args(&mutation.target);
+        command.env("CARGO_TARGET_DIR", &self.target).env("CARGO_TERM_COLOR", "never");
+        command.args(["test", "--package", &mutation.package]).args(&mutation.target);
         command
     }
 }
@@ -153,9 +139,7 @@ fn judge(ending: &Ending, output: &str) -> Outcome {
 /// The number before the word in a closing line such as `test result: ok. 1 passed; 0 failed; …`.
 fn count_of(line: &str, what: &str) -> Option<usize> {
     let counts = line.strip_prefix("test result: ")?.split_once(". ")?.1;
-    counts
-        .split("; ")
-        .find_map(|part| part.strip_suffix(what)?.trim().parse().ok())
+    counts.split("; ").find_map(|part| part.strip_suffix(what)?.trim().parse().ok())
 }
 
 #[cfg(test)]

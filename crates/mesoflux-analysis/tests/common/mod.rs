@@ -12,10 +12,7 @@ pub struct Random {
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        let mut random = Self {
-            state: seed,
-            spare: None,
-        };
+        let mut random = Self { state: seed, spare: None };
         // Neighboring seeds must not give shifted copies of one sequence.
         random.state = random.bits();
         random
@@ -52,10 +49,7 @@ pub struct Autoregressive {
 
 impl Autoregressive {
     pub fn new(memory: f64, random: &mut Random) -> Self {
-        Self {
-            memory,
-            value: random.normal(),
-        }
+        Self { memory, value: random.normal() }
     }
 
     pub fn next(&mut self, random: &mut Random) -> f64 {

@@ -64,11 +64,8 @@ impl PeriodicBox {
         for z in -1..=1 {
             for y in -1..=1 {
                 for x in -1..=1 {
-                    offsets[usize::from(Self::image_index([x, y, z]))] = [
-                        f64::from(x) * self.sides[0],
-                        f64::from(y) * self.sides[1],
-                        f64::from(z) * self.sides[2],
-                    ];
+                    offsets[usize::from(Self::image_index([x, y, z]))] =
+                        [f64::from(x) * self.sides[0], f64::from(y) * self.sides[1], f64::from(z) * self.sides[2]];
                 }
             }
         }
@@ -124,10 +121,7 @@ mod tests {
         let region = PeriodicBox::new([1.0, 2.0, 3.0]).unwrap();
         let offsets = region.image_offsets();
         assert_eq!(offsets[13], ZERO);
-        assert_eq!(
-            offsets[usize::from(PeriodicBox::image_index([1, -1, 1]))],
-            [1.0, -2.0, 3.0]
-        );
+        assert_eq!(offsets[usize::from(PeriodicBox::image_index([1, -1, 1]))], [1.0, -2.0, 3.0]);
     }
 
     #[test]

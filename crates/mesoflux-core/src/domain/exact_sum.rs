@@ -16,11 +16,7 @@ pub struct ExactSum {
 
 impl Default for ExactSum {
     fn default() -> Self {
-        Self {
-            digits: [0; DIGITS],
-            pending: 0,
-            finite: true,
-        }
+        Self { digits: [0; DIGITS], pending: 0, finite: true }
     }
 }
 
@@ -90,9 +86,7 @@ impl ExactSum {
         };
         // The four leading digits hold at least 97 bits; the rest cannot change the rounded value by more than its last bit.
         let low = top.saturating_sub(3);
-        let leading = (low..=top)
-            .rev()
-            .fold(0u128, |sum, digit| (sum << 32) | normal.digits[digit] as u128);
+        let leading = (low..=top).rev().fold(0u128, |sum, digit| (sum << 32) | normal.digits[digit] as u128);
         let magnitude = scale(leading as f64, 32 * low as i32 - 1075);
         if negative { -magnitude } else { magnitude }
     }
@@ -128,9 +122,8 @@ mod tests {
     #[test]
     fn the_order_and_the_grouping_of_terms_leave_no_trace() {
         let draw = crate::noise::NoiseKey::new(&[1]).draw(crate::noise::Purpose::Start, 0, 0);
-        let terms: Vec<f64> = (0..5000)
-            .map(|k| draw.gaussian(k, 0) * 10f64.powi((draw.uniform(k, 1) * 40.0) as i32 - 20))
-            .collect();
+        let terms: Vec<f64> =
+            (0..5000).map(|k| draw.gaussian(k, 0) * 10f64.powi((draw.uniform(k, 1) * 40.0) as i32 - 20)).collect();
         let forward = sum(&terms);
         let mut reversed = terms.clone();
         reversed.reverse();

@@ -26,10 +26,7 @@ impl Workers {
     pub fn for_each_chunk<T: Send>(self, column: &mut [T], work: impl Fn(usize, &mut [T]) + Sync) {
         match self {
             Self::One => work(0, column),
-            Self::Pool => column
-                .par_chunks_mut(CHUNK)
-                .enumerate()
-                .for_each(|(k, chunk)| work(k * CHUNK, chunk)),
+            Self::Pool => column.par_chunks_mut(CHUNK).enumerate().for_each(|(k, chunk)| work(k * CHUNK, chunk)),
         }
     }
 
@@ -53,16 +50,19 @@ impl Workers {
         }
     }
 
-    /// The largest of `value(k)` over 0 ≤ k < `count`; a value that isn't a number counts as infinite.
-    pub fn largest(self, count: usize, value: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let finite = |k: usize| if value(k).is_nan() { f64::INFINITY } else { value(k) };
+    /// The two largest of `value(k)` over 0 ≤ k < `count`, the larger first; a value that isn't a number counts as infinite.
+    pub fn two_largest(self, count: usize, value: impl Fn(usize) -> f64 + Sync) -> [f64; 2] {
+        let include = |[first, second]: [f64; 2], value: f64| {
+            let value = if value.is_nan() { f64::INFINITY } else { value };
+            [first.max(value), second.max(first.min(value))]
+        };
+        let part = |range: std::ops::Range<usize>| range.map(&value).fold([0.0; 2], include);
         match self {
-            Self::One => (0..count).map(finite).fold(0.0, f64::max),
-            Self::Pool => (0..count)
+            Self::One => part(0..count),
+            Self::Pool => (0..count.div_ceil(CHUNK))
                 .into_par_iter()
-                .with_min_len(CHUNK)
-                .map(finite)
-                .reduce(|| 0.0, f64::max),
+                .map(|k| part(k * CHUNK..((k + 1) * CHUNK).min(count)))
+                .reduce(|| [0.0; 2], |a, b| include(include(a, b[0]), b[1])),
         }
     }
 }

@@ -19,38 +19,29 @@ pub struct ConstantFlux {
 impl ConstantFlux {
     /// The dynamics at R = `flux`.
     pub fn new(forcing: Box<dyn Forcing>, flux: f64) -> Self {
-        Self {
-            flux,
-            field: ForcingField::new(forcing),
-            booked: 0.0,
-        }
+        Self { flux, field: ForcingField::new(forcing), booked: 0.0 }
     }
 
     /// p += ξ F with ξ = (r − G·p)/(F·G), at the present positions (Wu & Shang, eqs 42, 45, 50); returns ξ.
     fn project(&mut self, system: &mut System, moved: bool) -> f64 {
-        self.field
-            .update(&system.particles, system.layout(), moved, system.workers);
+        self.field.update(&system.particles, system.layout(), moved, system.workers);
         let field = &self.field;
         let multiplier = (self.flux - field.flux(&system.particles, system.workers)) / field.control;
-        system
-            .workers
-            .for_each_chunk(&mut system.particles.momentum, |offset, momenta| {
-                for (k, momentum) in momenta.iter_mut().enumerate() {
-                    add_scaled(momentum, multiplier, field.force[offset + k]);
-                }
-            });
+        system.workers.for_each_chunk(&mut system.particles.momentum, |offset, momenta| {
+            for (k, momentum) in momenta.iter_mut().enumerate() {
+                add_scaled(momentum, multiplier, field.force[offset + k]);
+            }
+        });
         multiplier
     }
 }
 
 impl Driving for ConstantFlux {
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError> {
-        self.field
-            .update(&system.particles, system.layout(), true, system.workers);
+        self.field.update(&system.particles, system.layout(), true, system.workers);
         // Rounding alone leaves about 1e-16 Σ|F·G|: anything that small controls nothing.
-        let scale = system.workers.sum(system.particles.count(), |k| {
-            dot(self.field.force[k], self.field.response[k]).abs()
-        });
+        let scale =
+            system.workers.sum(system.particles.count(), |k| dot(self.field.force[k], self.field.response[k]).abs());
         if !(self.field.control.abs() > 1e-12 * scale) {
             return Err(ForcingError::NoControl(self.field.control));
         }
@@ -59,8 +50,7 @@ impl Driving for ConstantFlux {
     }
 
     fn response(&mut self, system: &System) -> Option<&[Vector]> {
-        self.field
-            .update(&system.particles, system.layout(), false, system.workers);
+        self.field.update(&system.particles, system.layout(), false, system.workers);
         Some(&self.field.response)
     }
 
@@ -75,10 +65,7 @@ impl Driving for ConstantFlux {
 
     fn end_step(&mut self, system: &System, time_step: f64) -> DrivenStep {
         let forcing = std::mem::take(&mut self.booked) / time_step;
-        DrivenStep {
-            flux: self.field.flux(&system.particles, system.workers),
-            forcing,
-        }
+        DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing }
     }
 
     fn needs_expected_flux(&self) -> bool {
@@ -86,8 +73,7 @@ impl Driving for ConstantFlux {
     }
 
     fn forcing_observable(&mut self, system: &mut System) -> Option<f64> {
-        self.field
-            .update(&system.particles, system.layout(), true, system.workers);
+        self.field.update(&system.particles, system.layout(), true, system.workers);
         system.update_forces();
         let field = &self.field;
         let workers = system.workers;

@@ -16,17 +16,13 @@ pub struct ConstantForce {
 impl ConstantForce {
     /// The driving by η F.
     pub fn new(forcing: Box<dyn Forcing>, magnitude: f64) -> Self {
-        Self {
-            magnitude,
-            field: ForcingField::new(forcing),
-        }
+        Self { magnitude, field: ForcingField::new(forcing) }
     }
 }
 
 impl Driving for ConstantForce {
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError> {
-        self.field
-            .update(&system.particles, system.layout(), true, system.workers);
+        self.field.update(&system.particles, system.layout(), true, system.workers);
         Ok(())
     }
 
@@ -36,25 +32,18 @@ impl Driving for ConstantForce {
 
     fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, _change: FluxChange) {
         if symbol == 'B' {
-            self.field
-                .update(&system.particles, system.layout(), true, system.workers);
+            self.field.update(&system.particles, system.layout(), true, system.workers);
             let (field, impulse) = (&self.field, time * self.magnitude);
-            system
-                .workers
-                .for_each_chunk(&mut system.particles.momentum, |offset, momenta| {
-                    for (k, momentum) in momenta.iter_mut().enumerate() {
-                        add_scaled(momentum, impulse, field.force[offset + k]);
-                    }
-                });
+            system.workers.for_each_chunk(&mut system.particles.momentum, |offset, momenta| {
+                for (k, momentum) in momenta.iter_mut().enumerate() {
+                    add_scaled(momentum, impulse, field.force[offset + k]);
+                }
+            });
         }
     }
 
     fn end_step(&mut self, system: &System, _time_step: f64) -> DrivenStep {
-        self.field
-            .update(&system.particles, system.layout(), true, system.workers);
-        DrivenStep {
-            flux: self.field.flux(&system.particles, system.workers),
-            forcing: self.magnitude,
-        }
+        self.field.update(&system.particles, system.layout(), true, system.workers);
+        DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing: self.magnitude }
     }
 }

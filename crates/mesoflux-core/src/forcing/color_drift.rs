@@ -11,15 +11,7 @@ pub struct ColorDrift;
 impl Forcing for ColorDrift {
     fn force(&self, particles: &Particles, k: usize) -> Vector {
         let magnitude = 1.0 / (particles.count() as f64).sqrt();
-        [
-            if particles.id[k] % 2 == 0 {
-                magnitude
-            } else {
-                -magnitude
-            },
-            0.0,
-            0.0,
-        ]
+        [if particles.id[k] % 2 == 0 { magnitude } else { -magnitude }, 0.0, 0.0]
     }
 
     fn response(&self, particles: &Particles, k: usize) -> Vector {
@@ -32,10 +24,7 @@ impl Forcing for ColorDrift {
 
     fn check(&self, particles: usize) -> Result<(), ForcingError> {
         if particles < 2 {
-            return Err(ForcingError::TooFewParticles {
-                needed: 2,
-                found: particles,
-            });
+            return Err(ForcingError::TooFewParticles { needed: 2, found: particles });
         }
         if particles % 2 == 1 {
             return Err(ForcingError::OddParticles(particles));

@@ -89,13 +89,7 @@ pub struct ForcingField {
 impl ForcingField {
     /// A field not yet evaluated.
     pub fn new(forcing: Box<dyn Forcing>) -> Self {
-        Self {
-            forcing,
-            force: Vec::new(),
-            response: Vec::new(),
-            control: f64::NAN,
-            layout: None,
-        }
+        Self { forcing, force: Vec::new(), response: Vec::new(), control: f64::NAN, layout: None }
     }
 
     /// Brings F, G and F·G up to date after the storage order (`layout`) or the positions (`moved`) changed.
@@ -108,16 +102,10 @@ impl ForcingField {
         self.force.resize(particles.count(), ZERO);
         self.response.resize(particles.count(), ZERO);
         workers.for_each_chunk(&mut self.force, |offset, chunk| {
-            chunk
-                .iter_mut()
-                .enumerate()
-                .for_each(|(k, f)| *f = forcing.force(particles, offset + k));
+            chunk.iter_mut().enumerate().for_each(|(k, f)| *f = forcing.force(particles, offset + k));
         });
         workers.for_each_chunk(&mut self.response, |offset, chunk| {
-            chunk
-                .iter_mut()
-                .enumerate()
-                .for_each(|(k, g)| *g = forcing.response(particles, offset + k));
+            chunk.iter_mut().enumerate().for_each(|(k, g)| *g = forcing.response(particles, offset + k));
         });
         self.control = workers.sum(particles.count(), |k| dot(self.force[k], self.response[k]));
     }

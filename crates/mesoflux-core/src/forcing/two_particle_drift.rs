@@ -13,14 +13,7 @@ pub struct TwoParticleDrift;
 impl Forcing for TwoParticleDrift {
     fn force(&self, particles: &Particles, k: usize) -> Vector {
         let magnitude = std::f64::consts::FRAC_1_SQRT_2;
-        [
-            [magnitude, -magnitude]
-                .get(particles.id[k] as usize)
-                .copied()
-                .unwrap_or(0.0),
-            0.0,
-            0.0,
-        ]
+        [[magnitude, -magnitude].get(particles.id[k] as usize).copied().unwrap_or(0.0), 0.0, 0.0]
     }
 
     fn response(&self, particles: &Particles, k: usize) -> Vector {
@@ -33,10 +26,7 @@ impl Forcing for TwoParticleDrift {
 
     fn check(&self, particles: usize) -> Result<(), ForcingError> {
         if particles < 2 {
-            return Err(ForcingError::TooFewParticles {
-                needed: 2,
-                found: particles,
-            });
+            return Err(ForcingError::TooFewParticles { needed: 2, found: particles });
         }
         Ok(())
     }

@@ -22,10 +22,7 @@ pub struct OrnsteinUhlenbeck {
 #[inline(always)]
 pub fn ornstein_uhlenbeck(strength: f64, inverse_reduced_mass: f64, temperature: f64, time: f64) -> OrnsteinUhlenbeck {
     let decay = exp_minus_one(-strength * inverse_reduced_mass * time);
-    OrnsteinUhlenbeck {
-        decay,
-        amplitude: (temperature * inverse_reduced_mass * (-decay * (2.0 + decay))).sqrt(),
-    }
+    OrnsteinUhlenbeck { decay, amplitude: (temperature * inverse_reduced_mass * (-decay * (2.0 + decay))).sqrt() }
 }
 
 /// The amplitude of the random force over one step of an explicit scheme, √(2 Γ kT / Δt) (Wu & Shang, eq. 4).

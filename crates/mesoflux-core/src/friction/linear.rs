@@ -25,6 +25,34 @@ impl Linear {
     }
 }
 
+impl Linear {
+    /// The same law where s = 2, for loops without a general power.
+    #[inline(always)]
+    pub(super) fn quadratic(&self) -> Quadratic {
+        Quadratic(*self)
+    }
+}
+
+/// A linear friction with s = 2.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Quadratic(Linear);
+
+impl PairFriction for Quadratic {
+    fn cutoff(&self) -> f64 {
+        self.0.cutoff
+    }
+
+    #[inline(always)]
+    fn strength(&self, r: f64) -> f64 {
+        let overlap = 1.0 - r / self.0.cutoff;
+        self.0.coefficient * (overlap * overlap)
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64, Requirement)> {
+        self.0.parameters()
+    }
+}
+
 impl PairFriction for Linear {
     fn cutoff(&self) -> f64 {
         self.cutoff
@@ -32,13 +60,7 @@ impl PairFriction for Linear {
 
     #[inline(always)]
     fn strength(&self, r: f64) -> f64 {
-        let overlap = 1.0 - r / self.cutoff;
-        let weight = if self.exponent == 2.0 {
-            overlap * overlap
-        } else {
-            power(overlap, self.exponent)
-        };
-        self.coefficient * weight
+        self.coefficient * power(1.0 - r / self.cutoff, self.exponent)
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64, Requirement)> {
@@ -57,15 +79,12 @@ mod tests {
     #[test]
     fn strength_is_the_documented_power_and_vanishes_at_the_cutoff() {
         for exponent in [0.5, 1.0, 2.0, 3.5] {
-            let law = Linear {
-                coefficient: 4.5,
-                cutoff: 2.5,
-                exponent,
-            };
+            let law = Linear { coefficient: 4.5, cutoff: 2.5, exponent };
             assert!((law.strength(0.0) - 4.5).abs() < 1e-14);
             assert_eq!(law.strength(2.5), 0.0);
             for r in [0.1, 1.0, 2.4] {
                 let expected = 4.5 * (1.0 - r / 2.5f64).powf(exponent);
+                assert!(exponent != 2.0 || (law.quadratic().strength(r) / expected - 1.0).abs() < 1e-15);
                 assert!((law.strength(r) / expected - 1.0).abs() < 1e-13);
             }
         }

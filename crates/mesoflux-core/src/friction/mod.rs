@@ -30,6 +30,10 @@ pub enum Friction {
 macro_rules! with_law {
     ($friction:expr, $law:ident => $body:expr) => {
         match $friction {
+            Friction::Linear(law) if law.exponent == 2.0 => {
+                let $law = &law.quadratic();
+                $body
+            }
             Friction::Linear($law) => $body,
         }
     };

@@ -16,13 +16,11 @@ impl Letter for Drift {
     fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError> {
         let particles = &mut system.particles;
         let (momentum, inverse_mass) = (&particles.momentum, &particles.inverse_mass);
-        system
-            .workers
-            .for_each_chunk(&mut particles.position, |offset, positions| {
-                for (k, position) in positions.iter_mut().enumerate() {
-                    add_scaled(position, stroke.time * inverse_mass[offset + k], momentum[offset + k]);
-                }
-            });
+        system.workers.for_each_chunk(&mut particles.position, |offset, positions| {
+            for (k, position) in positions.iter_mut().enumerate() {
+                add_scaled(position, stroke.time * inverse_mass[offset + k], momentum[offset + k]);
+            }
+        });
         system.positions_moved()?;
         Ok(FluxChange::Determined)
     }

@@ -30,12 +30,6 @@ impl Letter for PairOrnsteinUhlenbeck {
             backward: stroke.backward,
             response: stroke.response,
         };
-        Ok(FluxChange::Expected(ornstein_uhlenbeck_sweep(
-            list,
-            interactions,
-            particles,
-            &sweep,
-            workers,
-        )))
+        Ok(FluxChange::Expected(ornstein_uhlenbeck_sweep(list, interactions, particles, &sweep, workers)))
     }
 }

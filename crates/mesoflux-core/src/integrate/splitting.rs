@@ -45,10 +45,7 @@ impl Schedule {
             })
         };
         let share = |symbol: char| 1.0 / word.chars().filter(|&other| other == symbol).count() as f64;
-        let entries = word
-            .chars()
-            .map(|symbol| Ok((letter(symbol)?, share(symbol))))
-            .collect::<Result<_, _>>()?;
+        let entries = word.chars().map(|symbol| Ok((letter(symbol)?, share(symbol)))).collect::<Result<_, _>>()?;
         for required in ['A', 'B'] {
             if !word.contains(required) {
                 return Err(WordError::MissingLetter(required));
@@ -57,11 +54,7 @@ impl Schedule {
         if thermostat != Thermostat::None && !word.contains('O') {
             return Err(WordError::MissingThermostat);
         }
-        Ok(Self {
-            word: word.to_owned(),
-            entries,
-            sweep,
-        })
+        Ok(Self { word: word.to_owned(), entries, sweep })
     }
 
     /// The word.
@@ -93,10 +86,7 @@ mod tests {
         for word in ["ABOBA", "OBABO", "BAOAB", "ABOBAO", "AABO"] {
             let schedule = schedule(word, Thermostat::PairOrnsteinUhlenbeck).unwrap();
             for symbol in "ABO".chars() {
-                let entries = schedule
-                    .entries()
-                    .iter()
-                    .filter(|(letter, _)| letter.symbol() == symbol);
+                let entries = schedule.entries().iter().filter(|(letter, _)| letter.symbol() == symbol);
                 let total: f64 = entries.map(|(_, share)| share).sum();
                 assert!((total - 1.0).abs() < 1e-15, "{word}: {symbol}");
             }
@@ -107,19 +97,10 @@ mod tests {
     fn words_that_integrate_nothing_are_refused() {
         use Thermostat::{None, PairOrnsteinUhlenbeck};
         let refused = |word, thermostat| schedule(word, thermostat).err();
-        assert_eq!(
-            refused("ABXBA", PairOrnsteinUhlenbeck),
-            Some(WordError::UnknownLetter('X'))
-        );
-        assert_eq!(
-            refused("BOB", PairOrnsteinUhlenbeck),
-            Some(WordError::MissingLetter('A'))
-        );
+        assert_eq!(refused("ABXBA", PairOrnsteinUhlenbeck), Some(WordError::UnknownLetter('X')));
+        assert_eq!(refused("BOB", PairOrnsteinUhlenbeck), Some(WordError::MissingLetter('A')));
         assert_eq!(refused("", None), Some(WordError::MissingLetter('A')));
-        assert_eq!(
-            refused("BAB", PairOrnsteinUhlenbeck),
-            Some(WordError::MissingThermostat)
-        );
+        assert_eq!(refused("BAB", PairOrnsteinUhlenbeck), Some(WordError::MissingThermostat));
         assert_eq!(refused("ABOBA", None), Some(WordError::NoThermostat));
         assert!(schedule("BAB", None).is_ok());
     }

@@ -28,12 +28,7 @@ struct Columns {
 impl VelocityVerlet {
     /// The scheme for kT and λ.
     pub fn new(temperature: f64, lambda: f64) -> Self {
-        Self {
-            temperature,
-            lambda,
-            columns: None,
-            velocity: Vec::new(),
-        }
+        Self { temperature, lambda, columns: None, velocity: Vec::new() }
     }
 
     /// One step.
@@ -66,10 +61,8 @@ impl VelocityVerlet {
     }
 
     fn start(&mut self, system: &mut System, noise: NoiseKey, time_step: f64) -> Columns {
-        let columns = Columns {
-            force: system.particles.register_column(),
-            predicted: system.particles.register_column(),
-        };
+        let columns =
+            Columns { force: system.particles.register_column(), predicted: system.particles.register_column() };
         self.columns = Some(columns);
         let momentum = system.particles.momentum.clone();
         system.particles.column_mut(columns.predicted).clone_from(&momentum);
@@ -80,26 +73,14 @@ impl VelocityVerlet {
     /// The force at the present positions and predicted velocities, with the noise of the step at whose end it stands.
     fn evaluate(&mut self, system: &mut System, noise: NoiseKey, time_step: f64, columns: Columns, step: u64) {
         let workers = system.workers;
-        let noise = PairNoise {
-            temperature: self.temperature,
-            time_step,
-            draw: noise.draw(Purpose::Pair, step, 0),
-        };
+        let noise = PairNoise { temperature: self.temperature, time_step, draw: noise.draw(Purpose::Pair, step, 0) };
         let (list, interactions, particles) = system.with_contacts();
         self.velocity.resize(particles.count(), ZERO);
         for (k, velocity) in self.velocity.iter_mut().enumerate() {
             *velocity = particles.column(columns.predicted)[k].map(|p| p * particles.inverse_mass[k]);
         }
         let mut force = std::mem::take(particles.column_mut(columns.force));
-        velocity_dependent_forces(
-            list,
-            interactions,
-            particles,
-            &self.velocity,
-            &noise,
-            &mut force,
-            workers,
-        );
+        velocity_dependent_forces(list, interactions, particles, &self.velocity, &noise, &mut force, workers);
         *particles.column_mut(columns.force) = force;
     }
 }

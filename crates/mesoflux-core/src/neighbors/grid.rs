@@ -22,7 +22,7 @@ pub struct Grid {
     pub cells: [usize; 3],
     inverse_edge: Vector,
     /// Offsets to those of the 124 surrounding cells that come later in the order and are near enough.
-    stencil: Vec<[i32; 3]>,
+    stencil: Vec<[isize; 3]>,
 }
 
 /// A cell as a brick sees it: which cell it is, and in which copy of the box.
@@ -48,9 +48,8 @@ impl Grid {
         for axis in 0..3 {
             // As many cells as fit, in an even number of bricks; among equals the brick nearest to four cells.
             let most = ((region.sides()[axis] / list_radius) * REACH as f64).floor() as usize;
-            let candidates = (REACH..=LARGEST_BRICK)
-                .map(|edge| (2 * (most / (2 * edge)), edge))
-                .filter(|&(n, _)| n >= 2);
+            let candidates =
+                (REACH..=LARGEST_BRICK).map(|edge| (2 * (most / (2 * edge)), edge)).filter(|&(n, _)| n >= 2);
             if let Some((n, edge)) =
                 candidates.max_by_key(|&(n, edge)| (n * edge, std::cmp::Reverse(edge.abs_diff(4)), edge))
             {
@@ -58,12 +57,7 @@ impl Grid {
             }
         }
         let edges: Vector = std::array::from_fn(|axis| region.sides()[axis] / (bricks[axis] * cells[axis]) as f64);
-        Self {
-            bricks,
-            cells,
-            inverse_edge: edges.map(|edge| 1.0 / edge),
-            stencil: stencil(edges, list_radius),
-        }
+        Self { bricks, cells, inverse_edge: edges.map(|edge| 1.0 / edge), stencil: stencil(edges, list_radius) }
     }
 
     /// The number of cells.
@@ -81,14 +75,8 @@ impl Grid {
     /// Brick-major index of a cell given by its coordinates.
     fn index(&self, coordinates: [usize; 3]) -> usize {
         let flat = |place: [usize; 3], counts: [usize; 3]| (place[2] * counts[1] + place[1]) * counts[0] + place[0];
-        let brick = flat(
-            std::array::from_fn(|axis| coordinates[axis] / self.cells[axis]),
-            self.bricks,
-        );
-        let local = flat(
-            std::array::from_fn(|axis| coordinates[axis] % self.cells[axis]),
-            self.cells,
-        );
+        let brick = flat(std::array::from_fn(|axis| coordinates[axis] / self.cells[axis]), self.bricks);
+        let local = flat(std::array::from_fn(|axis| coordinates[axis] % self.cells[axis]), self.cells);
         brick * self.cells.iter().product::<usize>() + local
     }
 
@@ -113,31 +101,27 @@ impl Grid {
     /// Calls `visit(a, b)` for every pair of near cells that a brick owns, `None` for a cell with itself; in the sweep's order.
     pub fn for_each_cell_pair(&self, brick: [usize; 3], mut visit: impl FnMut(SeenCell, Option<SeenCell>)) {
         // A brick sees its own cells and, on its upper faces, the nearest layers of the next bricks.
-        let extent: [usize; 3] = std::array::from_fn(|axis| self.cells[axis] + REACH);
-        let own = |local: [usize; 3]| -> [bool; 3] { std::array::from_fn(|axis| local[axis] < self.cells[axis]) };
-        for z in 0..extent[2] {
-            for y in 0..extent[1] {
-                for x in 0..extent[0] {
-                    let here = [x, y, z];
-                    let mine = own(here);
-                    let cell = self.seen(brick, here);
-                    if mine == [true; 3] {
-                        visit(cell, None);
-                    }
-                    for offset in &self.stencil {
-                        let there: [i32; 3] = std::array::from_fn(|axis| here[axis] as i32 + offset[axis]);
-                        if (0..3).any(|axis| there[axis] < 0 || there[axis] >= extent[axis] as i32) {
-                            continue;
-                        }
-                        let there = there.map(|c| c as usize);
-                        let theirs = own(there);
-                        if (0..3).all(|axis| mine[axis] || theirs[axis]) {
-                            visit(cell, Some(self.seen(brick, there)));
-                        }
-                    }
+        let extent = self.cells.map(|cells| cells + REACH);
+        let mut region = Vec::with_capacity(extent.iter().product());
+        for_each_place(extent, |place| region.push(self.seen(brick, place)));
+        let own = |place: [usize; 3]| -> [bool; 3] { std::array::from_fn(|axis| place[axis] < self.cells[axis]) };
+        let mut index = 0;
+        for_each_place(extent, |here| {
+            let (cell, mine) = (region[index], own(here));
+            index += 1;
+            if mine == [true; 3] {
+                visit(cell, None);
+            }
+            for offset in &self.stencil {
+                // A place below zero wraps around to a large number, which is outside as well.
+                let there: [usize; 3] = std::array::from_fn(|axis| here[axis].wrapping_add_signed(offset[axis]));
+                let inside = (0..3).all(|axis| there[axis] < extent[axis]);
+                if inside && (0..3).all(|axis| mine[axis] || there[axis] < self.cells[axis]) {
+                    let place = (there[2] * extent[1] + there[1]) * extent[0] + there[0];
+                    visit(cell, Some(region[place]));
                 }
             }
-        }
+        });
     }
 
     fn seen(&self, brick: [usize; 3], local: [usize; 3]) -> SeenCell {
@@ -152,24 +136,31 @@ impl Grid {
                 coordinate - count
             }
         });
-        SeenCell {
-            cell: self.index(coordinates),
-            copies,
+        SeenCell { cell: self.index(coordinates), copies }
+    }
+}
+
+/// Calls `visit` for every place of a block of cells, x running fastest.
+fn for_each_place(extent: [usize; 3], mut visit: impl FnMut([usize; 3])) {
+    for z in 0..extent[2] {
+        for y in 0..extent[1] {
+            for x in 0..extent[0] {
+                visit([x, y, z]);
+            }
         }
     }
 }
 
 /// The later half of the offsets to cells whose nearest corners are less than a list radius apart.
-fn stencil(edges: Vector, list_radius: f64) -> Vec<[i32; 3]> {
-    let reach = REACH as i32;
+fn stencil(edges: Vector, list_radius: f64) -> Vec<[isize; 3]> {
+    let reach = REACH as isize;
     let mut offsets = Vec::new();
     for z in -reach..=reach {
         for y in -reach..=reach {
             for x in -reach..=reach {
                 let offset = [x, y, z];
-                let gap_squared: f64 = (0..3)
-                    .map(|axis| (f64::from((offset[axis].abs() - 1).max(0)) * edges[axis]).powi(2))
-                    .sum();
+                let gap_squared: f64 =
+                    (0..3).map(|axis| ((offset[axis].abs() - 1).max(0) as f64 * edges[axis]).powi(2)).sum();
                 let later = (z, y, x) > (0, 0, 0);
                 if later && gap_squared < list_radius * list_radius {
                     offsets.push(offset);

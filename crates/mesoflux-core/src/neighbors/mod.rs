@@ -1,17 +1,19 @@
 //! The Verlet list: every pair within cutoff plus skin, in the order of the sweep.
 //!
 //! The order follows from the positions at which the list was built and from the input: bricks by color, inside a brick the
-//! pairs of cells in the grid's order, inside these the particles by id. Threads, timings and rebuild counts leave no trace.
+//! pairs of cells in the grid's order, inside these the particles by id, and all that packed into blocks that share no particle. Threads, timings and rebuild counts leave no trace.
 
+mod blocks;
 mod grid;
 
 pub use grid::Grid;
 
 use crate::boundary::{Image, PeriodicBox};
 use crate::domain::Workers;
-use crate::pair::Contacts;
+use crate::pair::{Contacts, InstructionSet, Kernel};
 use crate::state::Particles;
 use crate::vector::{Vector, dot, subtract};
+use blocks::Blocks;
 use rayon::prelude::*;
 
 /// Two particles by their places in storage, and the image that brings them together.
@@ -85,22 +87,11 @@ impl NeighborList {
         }
         let (side, smallest) = (region.shortest_side(), 2.0 * (cutoff + skin));
         if side < smallest {
-            return Err(NeighborError::BoxTooSmall {
-                side,
-                smallest,
-                cutoff,
-                skin,
-            });
+            return Err(NeighborError::BoxTooSmall { side, smallest, cutoff, skin });
         }
         let grid = Grid::new(region, cutoff + skin);
         let (order, color_starts) = grid.bricks_by_color();
-        let bricks = order
-            .into_iter()
-            .map(|coordinates| Brick {
-                coordinates,
-                ..Brick::default()
-            })
-            .collect();
+        let bricks = order.into_iter().map(|coordinates| Brick { coordinates, ..Brick::default() }).collect();
         Ok(Self {
             grid,
             cutoff,
@@ -113,16 +104,16 @@ impl NeighborList {
         })
     }
 
-    /// Whether a particle has moved so far since the last build that an unlisted pair might have come within the cutoff.
+    /// Whether two particles have together moved so far since the last build that an unlisted pair might have come within
+    /// the cutoff.
     pub fn is_spent(&self, particles: &Particles, workers: Workers) -> bool {
-        self.reference.len() != particles.count() || self.largest_displacement(particles, workers) > 0.5 * self.skin
+        let [farthest, second] = workers.two_largest(particles.count(), |k| self.displacement_squared(particles, k));
+        farthest.sqrt() + second.sqrt() > self.skin
     }
 
     /// The longest way from the reference positions; infinite if a position isn't a number.
     pub fn largest_displacement(&self, particles: &Particles, workers: Workers) -> f64 {
-        workers
-            .largest(particles.count(), |k| self.displacement_squared(particles, k))
-            .sqrt()
+        workers.two_largest(particles.count(), |k| self.displacement_squared(particles, k))[0].sqrt()
     }
 
     /// The squared way of the particle in place k since the last build.
@@ -141,10 +132,15 @@ impl NeighborList {
         let cell_starts = self.sort_by_cell(particles);
         let (grid, offsets, radius) = (&self.grid, &self.offsets, self.cutoff + self.skin);
         let position = &particles.position;
-        let list = |brick: &mut Brick| list_pairs(brick, grid, &cell_starts, position, offsets, radius * radius);
+        let list = |blocks: &mut Blocks, brick: &mut Brick| {
+            list_pairs(brick, grid, &cell_starts, position, offsets, radius * radius, blocks);
+        };
         match workers {
-            Workers::One => self.bricks.iter_mut().for_each(list),
-            Workers::Pool => self.bricks.par_iter_mut().for_each(list),
+            Workers::One => {
+                let mut blocks = Blocks::default();
+                self.bricks.iter_mut().for_each(|brick| list(&mut blocks, brick));
+            }
+            Workers::Pool => self.bricks.par_iter_mut().for_each_init(Blocks::default, list),
         }
         self.reference.clone_from(position);
         self.builds += 1;
@@ -153,11 +149,7 @@ impl NeighborList {
     /// Sorts the particles by (cell, id); returns where each cell begins.
     fn sort_by_cell(&self, particles: &mut Particles) -> Vec<u32> {
         let count = particles.count();
-        let cell: Vec<u32> = particles
-            .position
-            .iter()
-            .map(|&x| self.grid.cell_of(x) as u32)
-            .collect();
+        let cell: Vec<u32> = particles.position.iter().map(|&x| self.grid.cell_of(x) as u32).collect();
         let mut starts = vec![0u32; self.grid.cell_count() + 1];
         cell.iter().for_each(|&c| starts[c as usize + 1] += 1);
         for c in 0..self.grid.cell_count() {
@@ -180,7 +172,8 @@ impl NeighborList {
     /// Brings the contacts of every brick up to date with the positions.
     pub fn update_contacts(&mut self, particles: &Particles, kinds: bool, workers: Workers) {
         let (offsets, cutoff) = (&self.offsets, self.cutoff);
-        let update = |brick: &mut Brick| brick.contacts.update(&brick.listed, particles, offsets, cutoff, kinds);
+        let instructions = InstructionSet::detect();
+        let update = |brick: &mut Brick| instructions.run(BrickContacts { brick, particles, offsets, cutoff, kinds });
         match workers {
             Workers::One => self.bricks.iter_mut().for_each(update),
             Workers::Pool => self.bricks.par_iter_mut().for_each(update),
@@ -198,15 +191,9 @@ impl NeighborList {
             let range = self.color_starts[color]..self.color_starts[color + 1];
             let (bricks, results) = (&self.bricks[range.clone()], &mut results[range]);
             match workers {
-                Workers::One => bricks
-                    .iter()
-                    .zip(results)
-                    .for_each(|(brick, result)| *result = Some(work(brick))),
+                Workers::One => bricks.iter().zip(results).for_each(|(brick, result)| *result = Some(work(brick))),
                 Workers::Pool => {
-                    bricks
-                        .par_iter()
-                        .zip(results)
-                        .for_each(|(brick, result)| *result = Some(work(brick)));
+                    bricks.par_iter().zip(results).for_each(|(brick, result)| *result = Some(work(brick)));
                 }
             }
         }
@@ -229,6 +216,24 @@ impl NeighborList {
     }
 }
 
+/// Brings one brick's contacts up to date.
+struct BrickContacts<'a> {
+    brick: &'a mut Brick,
+    particles: &'a Particles,
+    offsets: &'a [Vector; 27],
+    cutoff: f64,
+    kinds: bool,
+}
+
+impl Kernel for BrickContacts<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.brick.contacts.update(&self.brick.listed, self.particles, self.offsets, self.cutoff, self.kinds);
+    }
+}
+
 fn list_pairs(
     brick: &mut Brick,
     grid: &Grid,
@@ -236,6 +241,7 @@ fn list_pairs(
     position: &[Vector],
     offsets: &[Vector; 27],
     radius_squared: f64,
+    blocks: &mut Blocks,
 ) {
     let listed = &mut brick.listed;
     listed.clear();
@@ -250,14 +256,18 @@ fn list_pairs(
             let from = if there.is_some() { theirs.start } else { first + 1 };
             let x = position[first as usize];
             let x = [x[0] + offset[0], x[1] + offset[1], x[2] + offset[2]];
+            // Every candidate is written, and only those within the radius advance the place: no branch to mispredict.
+            let mut count = listed.len();
+            listed.resize(count + (theirs.end - from) as usize, ListedPair { first, second: first, image });
             for second in from..theirs.end {
                 let d = subtract(x, position[second as usize]);
-                if dot(d, d) < radius_squared {
-                    listed.push(ListedPair { first, second, image });
-                }
+                listed[count] = ListedPair { first, second, image };
+                count += usize::from(dot(d, d) < radius_squared);
             }
+            listed.truncate(count);
         }
     });
+    blocks.pack(listed, position.len());
 }
 
 #[cfg(test)]

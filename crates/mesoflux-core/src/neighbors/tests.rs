@@ -24,10 +24,7 @@ fn all_pairs(particles: &Particles, region: &PeriodicBox, radius: f64) -> BTreeS
                 })
                 .sum();
             if nearest < radius * radius {
-                found.insert((
-                    particles.id[i].min(particles.id[j]),
-                    particles.id[i].max(particles.id[j]),
-                ));
+                found.insert((particles.id[i].min(particles.id[j]), particles.id[i].max(particles.id[j])));
             }
         }
     }
@@ -100,15 +97,7 @@ proptest! {
 fn boxes_below_twice_the_list_radius_are_refused_with_the_smallest_legal_side() {
     let region = PeriodicBox::new([5.0, 2.59, 5.0]).unwrap();
     let error = NeighborList::new(&region, 1.0, 0.3).unwrap_err();
-    assert_eq!(
-        error,
-        NeighborError::BoxTooSmall {
-            side: 2.59,
-            smallest: 2.6,
-            cutoff: 1.0,
-            skin: 0.3
-        }
-    );
+    assert_eq!(error, NeighborError::BoxTooSmall { side: 2.59, smallest: 2.6, cutoff: 1.0, skin: 0.3 });
     let legal = PeriodicBox::new([5.0, 2.6, 5.0]).unwrap();
     assert!(NeighborList::new(&legal, 1.0, 0.3).is_ok());
 }

@@ -1,6 +1,7 @@
 //! Conservative, dissipative and random forces in one pass, for integrators that treat them alike.
 
-use super::contacts::CHUNK;
+use super::contacts::{CHUNK, Contacts};
+use super::instruction_set::{InstructionSet, Kernel};
 use super::scatter::Scatter;
 use crate::domain::Workers;
 use crate::friction::fluctuation_dissipation::random_force_amplitude;
@@ -8,7 +9,7 @@ use crate::interactions::Interactions;
 use crate::neighbors::NeighborList;
 use crate::noise::Draw;
 use crate::state::Particles;
-use crate::vector::{Vector, ZERO, add_scaled, dot, subtract};
+use crate::vector::{Vector, ZERO, dot, subtract};
 
 /// The noise of one force evaluation.
 #[derive(Debug, Clone, Copy)]
@@ -33,40 +34,43 @@ pub fn velocity_dependent_forces(
 ) {
     force.fill(ZERO);
     let target = Scatter::new(force);
+    let instructions = InstructionSet::detect();
     list.sweep(false, workers, |brick| {
         let contacts = &brick.contacts;
+        instructions.run(BrickForces { contacts, interactions, id: &particles.id, velocity, noise, target: &target });
+    });
+}
+
+/// The pairs of one brick.
+struct BrickForces<'a> {
+    contacts: &'a Contacts,
+    interactions: &'a Interactions,
+    id: &'a [u64],
+    velocity: &'a [Vector],
+    noise: &'a PairNoise,
+    target: &'a Scatter<'a, Vector>,
+}
+
+impl Kernel for BrickForces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { contacts, interactions, id, velocity, noise, target } = self;
         let (mut magnitude, mut strength) = ([0.0; CHUNK], [0.0; CHUNK]);
         for chunk in contacts.chunks(false) {
-            contacts.add_by_kind(
-                &interactions.potentials,
-                &chunk,
-                &mut magnitude,
-                |law, r, kinds, column| match kinds {
-                    None => law.add_forces(r, |_| true, column),
-                    Some((kinds, kind)) => law.add_forces(r, |k| kinds[k] == kind, column),
-                },
-            );
-            contacts.add_by_kind(
-                &interactions.frictions,
-                &chunk,
-                &mut strength,
-                |law, r, kinds, column| match kinds {
-                    None => law.add_strengths(r, |_| true, column),
-                    Some((kinds, kind)) => law.add_strengths(r, |k| kinds[k] == kind, column),
-                },
-            );
-            for (n, k) in chunk.clone().enumerate() {
-                let (i, j) = (contacts.first[k] as usize, contacts.second[k] as usize);
-                let random = random_force_amplitude(strength[n], noise.temperature, noise.time_step);
-                magnitude[n] += random * noise.draw.pair_gaussian(particles.id[i], particles.id[j]);
-                magnitude[n] -= strength[n] * dot(contacts.direction[k], subtract(velocity[i], velocity[j]));
+            contacts.forces(&interactions.potentials, &chunk, &mut magnitude);
+            contacts.strengths(&interactions.frictions, &chunk, &mut strength);
+            let (first, second) = (&contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
+            let gaussians: [f64; CHUNK] = noise.draw.pair_gaussians(id, first, second);
+            for n in 0..CHUNK {
+                magnitude[n] += random_force_amplitude(strength[n], noise.temperature, noise.time_step) * gaussians[n];
             }
-            for (k, &f) in chunk.clone().zip(&magnitude) {
-                // SAFETY: inside a sweep.
-                let (first, second) = unsafe { target.pair(contacts.first[k], contacts.second[k]) };
-                add_scaled(first, f, contacts.direction[k]);
-                add_scaled(second, -f, contacts.direction[k]);
+            for (n, &e) in contacts.direction[chunk.clone()].iter().enumerate() {
+                let v_ij = subtract(velocity[first[n] as usize], velocity[second[n] as usize]);
+                magnitude[n] -= strength[n] * dot(e, v_ij);
             }
+            target.add_opposite(contacts, &chunk, &magnitude);
         }
-    });
+    }
 }

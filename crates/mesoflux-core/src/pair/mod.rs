@@ -3,6 +3,7 @@
 mod conservative;
 mod contacts;
 mod fused;
+mod instruction_set;
 mod measure;
 mod scatter;
 mod thermostat;
@@ -13,5 +14,7 @@ pub const KERNEL: &str = "portable";
 pub use conservative::conservative_forces;
 pub use contacts::Contacts;
 pub use fused::{PairNoise, velocity_dependent_forces};
+pub use instruction_set::InstructionSet;
+pub(crate) use instruction_set::Kernel;
 pub use measure::{PairSums, dissipative_flux, pair_sums};
 pub use thermostat::{Sweep, ornstein_uhlenbeck_sweep};

@@ -38,10 +38,7 @@ impl LennardJones {
         let s = self.sigma / r;
         let s2 = s * s;
         let s6 = s2 * s2 * s2;
-        (
-            4.0 * self.epsilon * (s6 * s6 - s6),
-            24.0 * self.epsilon * (2.0 * s6 * s6 - s6),
-        )
+        (4.0 * self.epsilon * (s6 * s6 - s6), 24.0 * self.epsilon * (2.0 * s6 * s6 - s6))
     }
 
     /// −u'(r_c) where the truncation takes it away, else zero.
@@ -81,11 +78,7 @@ impl PairPotential for LennardJones {
 
     fn parameters(&self) -> Vec<(&'static str, f64, super::Requirement)> {
         use super::Requirement::{NotNegative, Positive};
-        vec![
-            ("epsilon", self.epsilon, NotNegative),
-            ("sigma", self.sigma, Positive),
-            ("cutoff", self.cutoff, Positive),
-        ]
+        vec![("epsilon", self.epsilon, NotNegative), ("sigma", self.sigma, Positive), ("cutoff", self.cutoff, Positive)]
     }
 
     fn contact_distance(&self) -> f64 {
@@ -99,12 +92,7 @@ mod tests {
     use crate::potential::checks::check_law;
 
     fn law(truncation: Truncation) -> LennardJones {
-        LennardJones {
-            epsilon: 1.5,
-            sigma: 0.9,
-            cutoff: 2.25,
-            truncation,
-        }
+        LennardJones { epsilon: 1.5, sigma: 0.9, cutoff: 2.25, truncation }
     }
 
     #[test]
@@ -118,11 +106,8 @@ mod tests {
 
     #[test]
     fn truncations_remove_the_jumps_they_promise_to_remove() {
-        let (plain, shifted, smooth) = (
-            law(Truncation::Plain),
-            law(Truncation::Shifted),
-            law(Truncation::ForceShifted),
-        );
+        let (plain, shifted, smooth) =
+            (law(Truncation::Plain), law(Truncation::Shifted), law(Truncation::ForceShifted));
         assert!(plain.energy(2.25).abs() > 1e-3 && plain.force(2.25).abs() > 1e-3);
         assert!(shifted.energy(2.25).abs() < 1e-15 && shifted.force(2.25).abs() > 1e-3);
         assert!(smooth.energy(2.25).abs() < 1e-15 && smooth.force(2.25).abs() < 1e-15);

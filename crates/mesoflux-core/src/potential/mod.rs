@@ -152,17 +152,10 @@ pub(crate) mod checks {
                 |g: &dyn Fn(f64) -> f64| (8.0 * (g(r + h) - g(r - h)) - (g(r + 2.0 * h) - g(r - 2.0 * h))) / (12.0 * h);
             let force = -slope(&|r| law.energy(r));
             let scale = law.energy(r).abs() / r + law.force(r).abs() + 1e-6;
-            assert!(
-                (law.force(r) - force).abs() < 1e-9 * scale,
-                "r = {r}: force {} against {force}",
-                law.force(r)
-            );
+            assert!((law.force(r) - force).abs() < 1e-9 * scale, "r = {r}: force {} against {force}", law.force(r));
             let derivative = slope(&|r| law.force(r));
             let scale = law.force(r).abs() / r + law.force_derivative(r).abs() + 1e-6;
-            assert!(
-                (law.force_derivative(r) - derivative).abs() < 1e-9 * scale,
-                "r = {r}: derivative of the force"
-            );
+            assert!((law.force_derivative(r) - derivative).abs() < 1e-9 * scale, "r = {r}: derivative of the force");
         }
         if continuous {
             let scale = law.energy(0.9 * cutoff).abs() + law.force(0.9 * cutoff).abs();

@@ -45,10 +45,7 @@ mod tests {
 
     #[test]
     fn values_at_contact_and_at_the_cutoff() {
-        let law = Soft {
-            repulsion: 25.0,
-            cutoff: 2.0,
-        };
+        let law = Soft { repulsion: 25.0, cutoff: 2.0 };
         assert_eq!((law.energy(0.0), law.force(0.0)), (25.0, 25.0));
         assert_eq!((law.energy(2.0), law.force(2.0)), (0.0, 0.0));
         crate::potential::checks::check_law(&law, 0.01, true);

@@ -65,10 +65,7 @@ mod tests {
 
     #[test]
     fn energy_at_sigma_is_epsilon_and_nothing_jumps() {
-        let law = Wca {
-            epsilon: 2.0,
-            sigma: 1.1,
-        };
+        let law = Wca { epsilon: 2.0, sigma: 1.1 };
         assert!((law.energy(1.1) - 2.0).abs() < 1e-12);
         assert!(law.force(1.0) > 0.0);
         crate::potential::checks::check_law(&law, 0.8, true);

@@ -1,6 +1,7 @@
 //! What the physics tests share: fluids, simulations, replicas on all cores, and how a statistical test is judged.
-#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(dead_code, unused_imports, reason = "each test file uses its own part")]
 
+pub mod naive;
 mod scores;
 
 pub use scores::{check_scores, probit, seeds};
@@ -35,21 +36,14 @@ pub struct Fluid {
 
 /// The friction γ(1 − r/r_c)².
 pub fn friction(coefficient: f64, cutoff: f64) -> Linear {
-    Linear {
-        coefficient,
-        cutoff,
-        exponent: 2.0,
-    }
+    Linear { coefficient, cutoff, exponent: 2.0 }
 }
 
 impl Fluid {
     /// Groot and Warren's: ρ = 3, a = 25, γ = 4.5, r_c = 1.
     pub fn groot_warren(count: usize) -> Self {
         Self {
-            potential: Some(Potential::Soft(Soft {
-                repulsion: 25.0,
-                cutoff: 1.0,
-            })),
+            potential: Some(Potential::Soft(Soft { repulsion: 25.0, cutoff: 1.0 })),
             friction: friction(4.5, 1.0),
             density: 3.0,
             species: vec![(count, 1.0)],
@@ -59,11 +53,7 @@ impl Fluid {
 
     /// No potential at all.
     pub fn ideal(count: usize, coefficient: f64) -> Self {
-        Self {
-            potential: None,
-            friction: friction(coefficient, 1.0),
-            ..Self::groot_warren(count)
-        }
+        Self { potential: None, friction: friction(coefficient, 1.0), ..Self::groot_warren(count) }
     }
 
     /// Wu and Shang's Lennard-Jones liquid: ρ = 0.85, r_c = 2.5, γ = 4.5.
@@ -109,12 +99,7 @@ impl Fluid {
 
 /// ε = σ = 1.
 pub fn lennard_jones(cutoff: f64, truncation: Truncation) -> Potential {
-    Potential::LennardJones(LennardJones {
-        epsilon: 1.0,
-        sigma: 1.0,
-        cutoff,
-        truncation,
-    })
+    Potential::LennardJones(LennardJones { epsilon: 1.0, sigma: 1.0, cutoff, truncation })
 }
 
 /// Laws by pairs of species.
@@ -133,11 +118,7 @@ pub fn interactions(
 
 /// A word at kT = 1 with alternating sweeps; without an O, at constant energy.
 pub fn splitting(word: &str) -> Integrator {
-    let thermostat = if word.contains('O') {
-        Thermostat::PairOrnsteinUhlenbeck
-    } else {
-        Thermostat::None
-    };
+    let thermostat = if word.contains('O') { Thermostat::PairOrnsteinUhlenbeck } else { Thermostat::None };
     Integrator::Splitting(Schedule::new(word, thermostat, 1.0, SweepOrder::Alternating).unwrap())
 }
 
@@ -165,17 +146,11 @@ pub fn by_id<T: Copy + Default>(particles: &Particles, column: &[T]) -> Vec<T> {
 /// The positions in the order of their ids, followed through all crossings.
 pub fn unwrapped(system: &System) -> Vec<Vector> {
     let mut positions = vec![ZERO; system.particles.count()];
-    system
-        .particles
-        .unwrapped_positions(&system.region, &mut positions);
+    system.particles.unwrapped_positions(&system.region, &mut positions);
     positions
 }
 
 /// What `run(replica)` returns for 0 ≤ replica < `count`, worked out on all cores.
 pub fn replicas<T: Send>(count: u64, run: impl Fn(u64) -> T + Sync) -> Vec<T> {
-    (0..count as usize)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|replica| run(replica as u64))
-        .collect()
+    (0..count as usize).into_par_iter().with_max_len(1).map(|replica| run(replica as u64)).collect()
 }

@@ -22,11 +22,8 @@ pub fn check_scores(scores: impl Fn(u64) -> Vec<f64>) {
     let scores: Vec<f64> = (1..=seeds).flat_map(scores).collect();
     let summary = standard_normal_summary(&scores).unwrap();
     println!("{summary:#?}");
-    let chances = [
-        ("mean", summary.mean_p_value),
-        ("variance", summary.variance_p_value),
-        ("largest", summary.largest_p_value),
-    ];
+    let chances =
+        [("mean", summary.mean_p_value), ("variance", summary.variance_p_value), ("largest", summary.largest_p_value)];
     for (what, chance) in chances {
         assert!(chance > 0.001, "{what} of the z-scores: {summary:#?}");
     }

@@ -12,26 +12,14 @@ impl Input {
         if self.species.is_empty() {
             return vec![("fluid".to_owned(), SpeciesInput::default())];
         }
-        self.species
-            .iter()
-            .map(|(name, species)| (name.clone(), species.clone()))
-            .collect()
+        self.species.iter().map(|(name, species)| (name.clone(), species.clone())).collect()
     }
 
     /// N, from whatever says it.
     pub fn particles(&self) -> u64 {
-        let by_species = || {
-            self.species
-                .values()
-                .map(|species| species.particles)
-                .sum::<Option<u64>>()
-        };
+        let by_species = || self.species.values().map(|species| species.particles).sum::<Option<u64>>();
         let by_density = || Some((self.system.density? * self.system.sides?.iter().product::<f64>()).round() as u64);
-        self.system
-            .particles
-            .or_else(|| by_species().filter(|&n| n > 0))
-            .or_else(by_density)
-            .unwrap_or(0)
+        self.system.particles.or_else(|| by_species().filter(|&n| n > 0)).or_else(by_density).unwrap_or(0)
     }
 
     /// How many particles each species has.
@@ -39,10 +27,7 @@ impl Input {
         let species = self.species();
         match species.as_slice() {
             [(_, only)] => vec![only.particles.unwrap_or_else(|| self.particles()) as usize],
-            several => several
-                .iter()
-                .map(|(_, species)| species.particles.unwrap_or(0) as usize)
-                .collect(),
+            several => several.iter().map(|(_, species)| species.particles.unwrap_or(0) as usize).collect(),
         }
     }
 
@@ -77,16 +62,10 @@ impl Input {
         let all = self.pair.get("all");
         Interactions {
             potentials: PairTable::from_fn(species.len(), |a, b| {
-                find(a, b)
-                    .and_then(|pair| pair.potential)
-                    .or_else(|| all?.potential)
-                    .flatten()
+                find(a, b).and_then(|pair| pair.potential).or_else(|| all?.potential).flatten()
             }),
             frictions: PairTable::from_fn(species.len(), |a, b| {
-                find(a, b)
-                    .and_then(|pair| pair.friction)
-                    .or_else(|| all?.friction)
-                    .flatten()
+                find(a, b).and_then(|pair| pair.friction).or_else(|| all?.friction).flatten()
             }),
             inverse_reduced_masses: PairTable::from_fn(species.len(), |a, b| {
                 1.0 / species[a].1.mass + 1.0 / species[b].1.mass
@@ -96,14 +75,14 @@ impl Input {
 
     /// How far the neighbor list sees beyond the largest cutoff r_c.
     ///
-    /// If not given: what a thermal particle flies in twenty steps, kept within a tenth and three tenths of r_c, and no more
+    /// If not given: what a thermal particle flies in forty steps, kept within a tenth and three tenths of r_c, and no more
     /// than the box allows as long as a twentieth of r_c is left. It follows from the input alone, never from timings.
     pub fn skin(&self) -> f64 {
         self.run.skin.unwrap_or_else(|| {
             let cutoff = self.interactions().cutoff();
             let lightest = self.masses().into_iter().fold(f64::INFINITY, f64::min);
             let thermal_speed = (self.dynamics.temperature / lightest).sqrt();
-            let wanted = (20.0 * self.dynamics.time_step * thermal_speed).clamp(0.1 * cutoff, 0.3 * cutoff);
+            let wanted = (40.0 * self.dynamics.time_step * thermal_speed).clamp(0.1 * cutoff, 0.3 * cutoff);
             let room = 0.5 * self.sides().into_iter().fold(f64::INFINITY, f64::min) - cutoff;
             // A whisker below what fits, so that rounding can't make the box too small for its own skin.
             wanted.min((1.0 - 1e-12) * room).max(0.05 * cutoff)

@@ -20,11 +20,7 @@ pub(super) fn deserialize<'de, L: Deserialize<'de>, D: Deserializer<'de>>(
         }
 
         fn visit_str<E: Error>(self, word: &str) -> Result<Self::Value, E> {
-            if word == "none" {
-                Ok(None)
-            } else {
-                Err(E::invalid_value(serde::de::Unexpected::Str(word), &self))
-            }
+            if word == "none" { Ok(None) } else { Err(E::invalid_value(serde::de::Unexpected::Str(word), &self)) }
         }
 
         fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {

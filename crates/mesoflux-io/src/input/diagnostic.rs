@@ -11,9 +11,7 @@ pub(super) fn render(name: &str, text: &str, span: Option<Range<usize>>, message
         Some(span) => {
             let end = span.end.max(span.start + 1).min(text.len().max(span.start));
             // Of a whole table only the first line is shown.
-            let first_line = text[span.start..end]
-                .find('\n')
-                .map_or(end, |newline| span.start + newline.max(1));
+            let first_line = text[span.start..end].find('\n').map_or(end, |newline| span.start + newline.max(1));
             let annotation = AnnotationKind::Primary.span(span.start..first_line);
             title.element(Snippet::source(text).path(name).annotation(annotation))
         }

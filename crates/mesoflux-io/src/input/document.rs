@@ -38,10 +38,9 @@ impl std::str::FromStr for Setting {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
-            Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => Ok(Self {
-                path: path.trim().to_owned(),
-                value: value.trim().to_owned(),
-            }),
+            Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => {
+                Ok(Self { path: path.trim().to_owned(), value: value.trim().to_owned() })
+            }
             _ => Err(format!("`{text}`: must have the form path.to.key=value")),
         }
     }
@@ -65,10 +64,7 @@ impl InputFile {
     /// A file that can't be read; a text that is wrong, with place, value and requirement.
     pub fn read(path: &Path, settings: &[Setting]) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| InputError::Read {
-            name: name.clone(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(|source| InputError::Read { name: name.clone(), source })?;
         Self::parse(&name, &text, settings)
     }
 
@@ -95,10 +91,7 @@ impl InputFile {
             return Ok(self.input.clone());
         }
         let mut settings = point.settings.clone();
-        settings.push(Setting {
-            path: "sweep".into(),
-            value: "{}".into(),
-        });
+        settings.push(Setting { path: "sweep".into(), value: "{}".into() });
         Ok(Self::parse_one(&self.name, &self.text, &settings)?.input)
     }
 
@@ -114,12 +107,7 @@ impl InputFile {
             InputError::Wrong(render(&name, &text, error.span(), error.message(), help.as_deref()))
         })?;
         input.validate().map_err(|invalid| fault(&name, &text, &invalid))?;
-        Ok(Self {
-            name,
-            text,
-            input,
-            sweep: Sweep::default(),
-        })
+        Ok(Self { name, text, input, sweep: Sweep::default() })
     }
 }
 
@@ -159,18 +147,13 @@ fn apply(name: &str, text: &str, settings: &[Setting]) -> Result<(String, String
         InputError::Wrong(render(name, text, error.span(), error.message(), None))
     })?;
     for setting in settings {
-        let value: toml_edit::Value = setting
-            .value
-            .parse()
-            .unwrap_or_else(|_| toml_edit::Value::from(setting.value.as_str()));
+        let value: toml_edit::Value =
+            setting.value.parse().unwrap_or_else(|_| toml_edit::Value::from(setting.value.as_str()));
         set(document.as_table_mut(), &setting.path, value).map_err(|reason| {
             InputError::Wrong(format!("error: --set {}={}: {reason}", setting.path, setting.value))
         })?;
     }
-    let set: Vec<String> = settings
-        .iter()
-        .map(|setting| format!("{}={}", setting.path, setting.value))
-        .collect();
+    let set: Vec<String> = settings.iter().map(|setting| format!("{}={}", setting.path, setting.value)).collect();
     Ok((format!("{name} with {}", set.join(", ")), document.to_string()))
 }
 
@@ -188,9 +171,7 @@ fn set(table: &mut dyn TableLike, path: &str, value: toml_edit::Value) -> Result
             });
             match inner.as_table_like_mut() {
                 Some(inner) => set(inner, rest, value),
-                None => Err(format!(
-                    "`{key}` is a value, not a table: must be a path of keys as in the file"
-                )),
+                None => Err(format!("`{key}` is a value, not a table: must be a path of keys as in the file")),
             }
         }
     }

@@ -80,10 +80,7 @@ pub struct SpeciesInput {
 
 impl Default for SpeciesInput {
     fn default() -> Self {
-        Self {
-            mass: 1.0,
-            particles: None,
-        }
+        Self { mass: 1.0, particles: None }
     }
 }
 

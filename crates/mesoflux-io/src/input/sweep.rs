@@ -22,9 +22,7 @@ pub struct Sweep {
 
 impl Default for Sweep {
     fn default() -> Self {
-        Self {
-            points: vec![Point::default()],
-        }
+        Self { points: vec![Point::default()] }
     }
 }
 
@@ -40,10 +38,7 @@ impl Sweep {
                 .flat_map(|point| {
                     values.iter().map(|value| {
                         let mut point = point.clone();
-                        point.settings.push(Setting {
-                            path: path.clone(),
-                            value: value.to_string(),
-                        });
+                        point.settings.push(Setting { path: path.clone(), value: value.to_string() });
                         point.values.insert(path.clone(), value.clone());
                         point
                     })
@@ -57,20 +52,12 @@ impl Sweep {
 /// The arrays at the leaves of a table, with their paths.
 fn collect(prefix: &str, table: &toml::Table, axes: &mut Vec<(String, Vec<toml::Value>)>) -> Result<(), Invalid> {
     for (key, value) in table {
-        let path = if prefix.is_empty() {
-            key.clone()
-        } else {
-            format!("{prefix}.{key}")
-        };
+        let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
         match value {
             toml::Value::Table(inner) => collect(&path, inner, axes)?,
             toml::Value::Array(values) if !values.is_empty() => axes.push((path, values.clone())),
             other => {
-                return Err(Invalid::new(
-                    format!("sweep.{path}"),
-                    other,
-                    "must be an array of the values to try",
-                ));
+                return Err(Invalid::new(format!("sweep.{path}"), other, "must be an array of the values to try"));
             }
         }
     }

@@ -21,12 +21,7 @@ pub struct Invalid {
 impl Invalid {
     /// A fault of the value at a path.
     pub fn new(path: impl Into<String>, value: impl Display, requirement: impl Display) -> Self {
-        Self {
-            path: path.into(),
-            value: value.to_string(),
-            requirement: requirement.to_string(),
-            help: None,
-        }
+        Self { path: path.into(), value: value.to_string(), requirement: requirement.to_string(), help: None }
     }
 
     fn helped(mut self, help: Option<String>) -> Self {
@@ -45,11 +40,7 @@ impl Display for Invalid {
 }
 
 fn number(path: &str, value: f64, requirement: Requirement) -> Result<(), Invalid> {
-    if requirement.holds(value) {
-        Ok(())
-    } else {
-        Err(Invalid::new(path, value, requirement))
-    }
+    if requirement.holds(value) { Ok(()) } else { Err(Invalid::new(path, value, requirement)) }
 }
 
 /// The most particles a system may have: places in a list are 32-bit numbers.
@@ -63,9 +54,7 @@ impl Input {
         self.validate_pairs()?;
         self.validate_dynamics()?;
         self.validate_run()?;
-        self.measure
-            .iter()
-            .try_for_each(|(name, measure)| self.validate_measure(&format!("measure.{name}"), measure))
+        self.measure.iter().try_for_each(|(name, measure)| self.validate_measure(&format!("measure.{name}"), measure))
     }
 
     fn validate_species(&self) -> Result<(), Invalid> {
@@ -88,11 +77,7 @@ impl Input {
             }
         }
         if self.species.len() > 255 {
-            return Err(Invalid::new(
-                "species",
-                self.species.len(),
-                "must be at most 255 species",
-            ));
+            return Err(Invalid::new("species", self.species.len(), "must be at most 255 species"));
         }
         Ok(())
     }
@@ -113,18 +98,10 @@ impl Input {
             }
             _ => {}
         }
-        let known = [
-            self.system.particles.is_some() || counted > 0,
-            system.density.is_some(),
-            system.sides.is_some(),
-        ];
+        let known = [self.system.particles.is_some() || counted > 0, system.density.is_some(), system.sides.is_some()];
         match known.iter().filter(|&&known| known).count() {
             0 | 1 => {
-                return Err(Invalid::new(
-                    "system",
-                    "",
-                    "must give two of particles, density and box",
-                ));
+                return Err(Invalid::new("system", "", "must give two of particles, density and box"));
             }
             3 => {
                 return Err(Invalid::new(
@@ -137,11 +114,7 @@ impl Input {
         }
         let particles = self.particles();
         if !(2..=MOST_PARTICLES).contains(&particles) {
-            return Err(Invalid::new(
-                "system.particles",
-                particles,
-                format!("must be between 2 and {MOST_PARTICLES}"),
-            ));
+            return Err(Invalid::new("system.particles", particles, format!("must be between 2 and {MOST_PARTICLES}")));
         }
         Ok(())
     }
@@ -155,11 +128,7 @@ impl Input {
                 match name.split_once('-') {
                     Some((a, b)) if known(a) && known(b) => {
                         if a != b && self.pair.contains_key(&format!("{b}-{a}")) {
-                            return Err(Invalid::new(
-                                path,
-                                "",
-                                format!("must be given once, here or as pair.{b}-{a}"),
-                            ));
+                            return Err(Invalid::new(path, "", format!("must be given once, here or as pair.{b}-{a}")));
                         }
                     }
                     _ => {
@@ -174,14 +143,8 @@ impl Input {
                     }
                 }
             }
-            let potential = pair
-                .potential
-                .flatten()
-                .map(|law| ("potential", law_name(&law), law.parameters()));
-            let friction = pair
-                .friction
-                .flatten()
-                .map(|law| ("friction", law_name(&law), law.parameters()));
+            let potential = pair.potential.flatten().map(|law| ("potential", law_name(&law), law.parameters()));
+            let friction = pair.friction.flatten().map(|law| ("friction", law_name(&law), law.parameters()));
             for (role, law, parameters) in potential.into_iter().chain(friction) {
                 for (parameter, value, requirement) in parameters {
                     number(&format!("{path}.{role}.{law}.{parameter}"), value, requirement)?;
@@ -189,11 +152,7 @@ impl Input {
             }
         }
         if self.interactions().cutoff() == 0.0 {
-            return Err(Invalid::new(
-                "pair",
-                "",
-                "must give at least one potential or friction, e.g. in [pair.all]",
-            ));
+            return Err(Invalid::new("pair", "", "must give at least one potential or friction, e.g. in [pair.all]"));
         }
         Ok(())
     }
@@ -205,11 +164,7 @@ impl Input {
         let without_friction = self.interactions().frictions.entries().iter().all(Option::is_none);
         match (&dynamics.velocity_verlet, &dynamics.word) {
             (Some(_), Some(word)) => {
-                return Err(Invalid::new(
-                    "dynamics.word",
-                    word,
-                    "must be left out where velocity_verlet is given",
-                ));
+                return Err(Invalid::new("dynamics.word", word, "must be left out where velocity_verlet is given"));
             }
             (Some(scheme), None) => {
                 if !(0.0..=1.0).contains(&scheme.lambda) {
@@ -237,28 +192,20 @@ impl Input {
 
     fn validate_run(&self) -> Result<(), Invalid> {
         let run = &self.run;
-        number(
-            "run.equilibration_time",
-            run.equilibration_time,
-            Requirement::NotNegative,
-        )?;
+        number("run.equilibration_time", run.equilibration_time, Requirement::NotNegative)?;
         number("run.production_time", run.production_time, Requirement::Positive)?;
         if self.steps(run.production_time) == 0 {
             let requirement = format!("must be at least one time step, {}", self.dynamics.time_step);
             return Err(Invalid::new("run.production_time", run.production_time, requirement));
         }
-        for (path, time) in [
-            ("run.equilibration_time", run.equilibration_time),
-            ("run.production_time", run.production_time),
-        ] {
+        for (path, time) in
+            [("run.equilibration_time", run.equilibration_time), ("run.production_time", run.production_time)]
+        {
             if time / self.dynamics.time_step > 2f64.powi(47) {
                 return Err(Invalid::new(path, time, "must be at most 2^47 time steps"));
             }
         }
-        for (path, value) in [
-            ("run.replicas", run.replicas),
-            ("run.sample_interval", run.sample_interval),
-        ] {
+        for (path, value) in [("run.replicas", run.replicas), ("run.sample_interval", run.sample_interval)] {
             if value == 0 {
                 return Err(Invalid::new(path, value, "must be at least 1"));
             }
@@ -272,11 +219,7 @@ impl Input {
         let (cutoff, skin, side) = (self.interactions().cutoff(), self.skin(), region.shortest_side());
         let smallest = 2.0 * (cutoff + skin);
         if side < smallest {
-            let path = if self.system.sides.is_some() {
-                "system.box"
-            } else {
-                "system"
-            };
+            let path = if self.system.sides.is_some() { "system.box" } else { "system" };
             let requirement = format!(
                 "the shortest side of the box is {side}, must be at least {smallest}: twice the list radius \
                  (largest cutoff {cutoff} plus skin {skin}), so that no pair meets in two images"
@@ -291,11 +234,7 @@ impl Input {
         let given = routes.names();
         let allowed = measure.quantity.routes();
         if given.is_empty() {
-            return Err(Invalid::new(
-                path,
-                "",
-                format!("must name at least one of the routes {}", allowed.join(", ")),
-            ));
+            return Err(Invalid::new(path, "", format!("must name at least one of the routes {}", allowed.join(", "))));
         }
         for route in &given {
             if !allowed.contains(route) {
@@ -325,14 +264,8 @@ impl Input {
     }
 
     fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {
-        let magnitudes = routes
-            .nemd
-            .as_ref()
-            .map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
-        let fluxes = routes
-            .norton
-            .as_ref()
-            .map(|norton| ("routes.norton.flux", &norton.flux));
+        let magnitudes = routes.nemd.as_ref().map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
+        let fluxes = routes.norton.as_ref().map(|norton| ("routes.norton.flux", &norton.flux));
         for (key, values) in magnitudes.into_iter().chain(fluxes) {
             let Some(forcing) = measure.forcing else {
                 return Err(Invalid::new(
@@ -352,18 +285,10 @@ impl Input {
                 .forcing(self.particles() as usize)
                 .map_err(|error| Invalid::new(format!("{path}.forcing"), "", error))?;
             if values.0.is_empty() {
-                return Err(Invalid::new(
-                    format!("{path}.{key}"),
-                    "[]",
-                    "must hold at least one number",
-                ));
+                return Err(Invalid::new(format!("{path}.{key}"), "[]", "must hold at least one number"));
             }
             for (index, &value) in values.0.iter().enumerate() {
-                let place = if values.0.len() > 1 {
-                    format!("{path}.{key}.{index}")
-                } else {
-                    format!("{path}.{key}")
-                };
+                let place = if values.0.len() > 1 { format!("{path}.{key}.{index}") } else { format!("{path}.{key}") };
                 if !value.is_finite() || value == 0.0 {
                     return Err(Invalid::new(place, value, "must be finite and not zero"));
                 }

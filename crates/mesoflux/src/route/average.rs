@@ -38,12 +38,7 @@ pub(super) struct StateRecorder<F> {
 impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send + 'static> StateRecorder<F> {
     pub(super) fn boxed(input: &Input, components: usize, read: F) -> Result<Box<dyn RouteRecorder>, RouteError> {
         let series = Blocking::new(components)?;
-        Ok(Box::new(Self {
-            interval: input.run.sample_interval,
-            read,
-            series,
-            failure: None,
-        }))
+        Ok(Box::new(Self { interval: input.run.sample_interval, read, series, failure: None }))
     }
 }
 

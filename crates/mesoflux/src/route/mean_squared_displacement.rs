@@ -35,12 +35,7 @@ impl Route for MeanSquaredDisplacementRoute {
         let interval = self.spacing(input);
         let spacing = interval as f64 * input.dynamics.time_step;
         let displacement = MeanSquaredDisplacement::new(input.particles() as usize, LAGS as usize, spacing)?;
-        Ok(Box::new(DisplacementRecorder {
-            interval,
-            displacement,
-            positions: Vec::new(),
-            failure: None,
-        }))
+        Ok(Box::new(DisplacementRecorder { interval, displacement, positions: Vec::new(), failure: None }))
     }
 
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
@@ -50,11 +45,7 @@ impl Route for MeanSquaredDisplacementRoute {
         let diffusion = displacement.diffusion_coefficient();
         let particles = input.particles() as f64;
         let factor = particles / (particles - 1.0) / input.dynamics.temperature;
-        let estimate = if self.mobility {
-            diffusion.estimate.scaled(factor)
-        } else {
-            diffusion.estimate
-        };
+        let estimate = if self.mobility { diffusion.estimate.scaled(factor) } else { diffusion.estimate };
         let mut conditions = Conditions::new();
         if let Some((from, to)) = diffusion.window {
             conditions.insert("fit_from".to_owned(), from.into());
@@ -65,11 +56,7 @@ impl Route for MeanSquaredDisplacementRoute {
             .into_iter()
             .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
         let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
-        Ok(Outcome {
-            estimate,
-            conditions,
-            table: Some((header, rows.collect())),
-        })
+        Ok(Outcome { estimate, conditions, table: Some((header, rows.collect())) })
     }
 }
 
@@ -85,9 +72,7 @@ impl Recorder for DisplacementRecorder {
     fn observe(&mut self, moment: &mut Moment) {
         if moment.step % self.interval == 0 {
             let system = &moment.simulation.system;
-            system
-                .particles
-                .unwrapped_positions(&system.region, &mut self.positions);
+            system.particles.unwrapped_positions(&system.region, &mut self.positions);
             self.failure = self.failure.take().or(self.displacement.record(&self.positions).err());
         }
     }

@@ -92,11 +92,7 @@ pub struct Outcome {
 impl Outcome {
     /// An estimate alone.
     pub fn of(estimate: Estimate) -> Self {
-        Self {
-            estimate,
-            conditions: Conditions::new(),
-            table: None,
-        }
+        Self { estimate, conditions: Conditions::new(), table: None }
     }
 }
 
@@ -134,38 +130,23 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
     let asked = measure.quantity.default_routes(&measure.routes);
     let mut routes: Vec<Box<dyn Route>> = Vec::new();
     if asked.kinetic.is_some() {
-        routes.push(Box::new(average::Average {
-            method: "kinetic",
-            read: |state| state.kinetic_temperature,
-        }));
+        routes.push(Box::new(average::Average { method: "kinetic", read: |state| state.kinetic_temperature }));
     }
     if asked.virial.is_some() {
-        routes.push(Box::new(average::Average {
-            method: "virial",
-            read: |state| state.pressure,
-        }));
+        routes.push(Box::new(average::Average { method: "virial", read: |state| state.pressure }));
     }
     if asked.direct.is_some() {
-        routes.push(Box::new(average::Average {
-            method: "direct",
-            read: |state| state.potential_energy,
-        }));
+        routes.push(Box::new(average::Average { method: "direct", read: |state| state.potential_energy }));
     }
     if asked.configurational.is_some() {
         routes.push(Box::new(configurational::Configurational));
     }
     if let Some(msd) = asked.msd {
         let mobility = measure.quantity == Quantity::Mobility;
-        routes.push(Box::new(mean_squared_displacement::MeanSquaredDisplacementRoute {
-            parameters: msd,
-            mobility,
-        }));
+        routes.push(Box::new(mean_squared_displacement::MeanSquaredDisplacementRoute { parameters: msd, mobility }));
     }
     if let (Some(nemd), Some(forcing)) = (asked.nemd, measure.forcing) {
-        routes.push(Box::new(nemd::Nemd {
-            forcing,
-            magnitudes: nemd.magnitude.0,
-        }));
+        routes.push(Box::new(nemd::Nemd { forcing, magnitudes: nemd.magnitude.0 }));
     }
     if let (Some(norton), Some(forcing)) = (asked.norton, measure.forcing) {
         routes.push(Box::new(norton::Norton {

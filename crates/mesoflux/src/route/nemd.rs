@@ -18,13 +18,7 @@ impl Route for Nemd {
     }
 
     fn runs(&self) -> Vec<RunKind> {
-        self.magnitudes
-            .iter()
-            .map(|&magnitude| RunKind::Nemd {
-                forcing: self.forcing,
-                magnitude,
-            })
-            .collect()
+        self.magnitudes.iter().map(|&magnitude| RunKind::Nemd { forcing: self.forcing, magnitude }).collect()
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
@@ -43,36 +37,20 @@ impl Route for Nemd {
         if let [magnitude] = self.magnitudes[..] {
             conditions.insert("magnitude".to_owned(), magnitude.into());
         }
-        let header = vec![
-            "magnitude [f]",
-            "flux [v]",
-            "standard_error [v]",
-            "kinetic_temperature [e]",
-        ];
+        let header = vec!["magnitude [f]", "flux [v]", "standard_error [v]", "kinetic_temperature [e]"];
         let table = Some((header, rows(&points, records)?));
-        Ok(Outcome {
-            estimate: curve.coefficient,
-            conditions,
-            table,
-        })
+        Ok(Outcome { estimate: curve.coefficient, conditions, table })
     }
 }
 
 /// The estimate of one component from each record.
 pub(super) fn component(records: &[Record], index: usize) -> Result<Vec<Estimate>, RouteError> {
-    records
-        .iter()
-        .map(|record| Ok(record.series()?.component(index)))
-        .collect()
+    records.iter().map(|record| Ok(record.series()?.component(index))).collect()
 }
 
 /// Points of the response curve; `None` if one has no error.
 pub(super) fn points(strengths: &[f64], responses: &[Estimate]) -> Option<Vec<ResponsePoint>> {
-    strengths
-        .iter()
-        .zip(responses)
-        .map(|(&x, response)| ResponsePoint::new(x, response))
-        .collect()
+    strengths.iter().zip(responses).map(|(&x, response)| ResponsePoint::new(x, response)).collect()
 }
 
 /// The rows of the response curve's table.
@@ -88,10 +66,7 @@ pub(super) fn rows(points: &[ResponsePoint], records: &[Record]) -> Result<Vec<V
 pub(super) fn driven_conditions(records: &[Record], curve: &ResponseCurve) -> Result<Conditions, RouteError> {
     let mut conditions = Conditions::new();
     let temperatures = component(records, DrivenRecorder::TEMPERATURE)?;
-    let hottest = temperatures
-        .iter()
-        .filter_map(|estimate| estimate.value)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let hottest = temperatures.iter().filter_map(|estimate| estimate.value).fold(f64::NEG_INFINITY, f64::max);
     if hottest.is_finite() {
         conditions.insert("highest_kinetic_temperature".to_owned(), hottest.into());
     }

@@ -19,20 +19,11 @@ impl Route for Norton {
     }
 
     fn runs(&self) -> Vec<RunKind> {
-        self.fluxes
-            .iter()
-            .map(|&flux| RunKind::Norton {
-                forcing: self.forcing,
-                flux,
-            })
-            .collect()
+        self.fluxes.iter().map(|&flux| RunKind::Norton { forcing: self.forcing, flux }).collect()
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
-        Ok(Box::new(DrivenRecorder::new(
-            input.run.sample_interval,
-            self.check_forcing_observable,
-        )?))
+        Ok(Box::new(DrivenRecorder::new(input.run.sample_interval, self.check_forcing_observable)?))
     }
 
     fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
@@ -47,19 +38,10 @@ impl Route for Norton {
         if let [flux] = self.fluxes[..] {
             conditions.insert("flux".to_owned(), flux.into());
         }
-        let mut header = vec![
-            "flux [v]",
-            "forcing [f]",
-            "standard_error [f]",
-            "kinetic_temperature [e]",
-        ];
+        let mut header = vec!["flux [v]", "forcing [f]", "standard_error [f]", "kinetic_temperature [e]"];
         let mut rows = rows(&points, records)?;
         if self.check_forcing_observable {
-            header.extend([
-                "forcing_observable [f]",
-                "booked_minus_observable [f]",
-                "standard_error [f]",
-            ]);
+            header.extend(["forcing_observable [f]", "booked_minus_observable [f]", "standard_error [f]"]);
             for (row, record) in rows.iter_mut().zip(records) {
                 let series = record.series()?;
                 let observable = series.component(DrivenRecorder::OBSERVABLE);
@@ -69,10 +51,6 @@ impl Route for Norton {
                 row.extend(numbers.map(|number| number.unwrap_or(0.0)));
             }
         }
-        Ok(Outcome {
-            estimate: curve.coefficient,
-            conditions,
-            table: Some((header, rows)),
-        })
+        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some((header, rows)) })
     }
 }

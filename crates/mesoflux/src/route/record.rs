@@ -65,17 +65,8 @@ impl DrivenRecorder {
     /// None that can be met.
     pub fn new(interval: u64, forcing_observable: bool) -> Result<Self, RouteError> {
         let components = if forcing_observable { 4 } else { 3 };
-        let sum = DrivenStep {
-            flux: 0.0,
-            forcing: 0.0,
-        };
-        Ok(Self {
-            interval,
-            forcing_observable,
-            sum,
-            series: Blocking::new(components)?,
-            failure: None,
-        })
+        let sum = DrivenStep { flux: 0.0, forcing: 0.0 };
+        Ok(Self { interval, forcing_observable, sum, series: Blocking::new(components)?, failure: None })
     }
 }
 
@@ -93,10 +84,7 @@ impl Recorder for DrivenRecorder {
                 sample.push(moment.simulation.forcing_observable().unwrap_or(f64::NAN));
             }
             self.failure = self.failure.take().or(self.series.record(&sample).err());
-            self.sum = DrivenStep {
-                flux: 0.0,
-                forcing: 0.0,
-            };
+            self.sum = DrivenStep { flux: 0.0, forcing: 0.0 };
         }
     }
 }

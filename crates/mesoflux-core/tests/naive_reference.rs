@@ -1,0 +1,248 @@
+//! The engine against naive references on random states of random shapes: same forces, same steps, same multipliers.
+
+mod common;
+
+use common::naive::Naive;
+use common::{by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
+use mesoflux_core::boundary::PeriodicBox;
+use mesoflux_core::domain::Workers;
+use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
+use mesoflux_core::forcing::{ForcingField, ForcingKind};
+use mesoflux_core::friction::Friction;
+use mesoflux_core::integrate::{FluxChange, Integrator, Schedule, Stroke};
+use mesoflux_core::noise::{NoiseKey, Purpose};
+use mesoflux_core::potential::Potential;
+use mesoflux_core::potential::lennard_jones::Truncation;
+use mesoflux_core::potential::soft::Soft;
+use mesoflux_core::simulation::Simulation;
+use mesoflux_core::start::draw_momenta;
+use mesoflux_core::state::Particles;
+use mesoflux_core::system::System;
+use mesoflux_core::vector::{Vector, dot, subtract};
+use proptest::prelude::*;
+
+const WORDS: [&str; 4] = ["ABOBA", "OBABO", "BAOAB", "OABAO"];
+
+/// Random points no two of which are nearer than `apart`; an even number of them.
+fn scattered(count: usize, apart: f64, region: &PeriodicBox, noise: NoiseKey) -> Vec<Vector> {
+    let draw = noise.draw(Purpose::Start, 0, 0);
+    let mut points: Vec<Vector> = Vec::new();
+    for k in 0..10_000 {
+        let point = std::array::from_fn(|axis| draw.uniform(k, axis as u64) * region.sides()[axis]);
+        let distance = |other: &Vector| {
+            let d = subtract(point, *other);
+            let d: Vector = std::array::from_fn(|k| d[k] - region.sides()[k] * (d[k] / region.sides()[k]).round());
+            dot(d, d).sqrt()
+        };
+        if points.len() < count && points.iter().all(|other| distance(other) > apart) {
+            points.push(point);
+        }
+    }
+    points.truncate(points.len() / 2 * 2);
+    points
+}
+
+/// A random state: soft particles, a Lennard-Jones fluid or an ideal one (`law` 0, 1, 2), of one or two species.
+fn random_system(law: usize, species: usize, shape: [f64; 3], noise: NoiseKey) -> System {
+    let potential = |a: usize, b: usize| match law {
+        0 => Some(Potential::Soft(Soft { repulsion: 25.0 + 10.0 * (a + b) as f64, cutoff: 1.0 - 0.1 * a as f64 })),
+        1 if a == b => Some(lennard_jones(1.6, Truncation::ForceShifted)),
+        1 => Some(lennard_jones(1.3, Truncation::Shifted)),
+        _ => None,
+    };
+    let rubbing =
+        |a: usize, b: usize| Some(Friction::Linear(friction(4.5 + 8.0 * (a + b) as f64, 1.2 + 0.1 * b as f64)));
+    let masses = [1.0, 3.7];
+    let region = PeriodicBox::new(shape).unwrap();
+    let apart = if law == 1 { 0.85 } else { 0.05 };
+    let sites = scattered((region.volume() * 0.8) as usize, apart, &region, noise);
+    let kinds = (0..sites.len()).map(|k| (k % 3 % species) as u8).collect();
+    let laws = interactions(&masses[..species], potential, rubbing);
+    let mut particles = Particles::at_rest(sites, kinds, &masses[..species]);
+    draw_momenta(&mut particles, 1.3, noise);
+    System::new(particles, region, laws, 0.3, Workers::One).unwrap()
+}
+
+fn same(engine: &[Vector], naive: &[Vector], tolerance: impl Fn(usize) -> f64) -> Result<(), TestCaseError> {
+    prop_assert_eq!(engine.len(), naive.len());
+    for (k, (&a, &b)) in engine.iter().zip(naive).enumerate() {
+        let d = subtract(a, b);
+        prop_assert!(dot(d, d).sqrt() <= tolerance(k), "particle {}: {:?} against {:?}", k, a, b);
+    }
+    Ok(())
+}
+
+/// The pairs that a sweep at the system's positions visits, in its order, by id.
+fn sweep_order(system: &mut System, backward: bool) -> Vec<(usize, usize)> {
+    let id = system.particles.id.clone();
+    let mut order = Vec::new();
+    for brick in system.contacts().bricks() {
+        let pairs = brick.contacts.first.iter().zip(&brick.contacts.second);
+        order.extend(pairs.map(|(&i, &j)| (id[i as usize] as usize, id[j as usize] as usize)));
+    }
+    if backward {
+        order.reverse();
+    }
+    order
+}
+
+/// The orders of a word's sweeps within the coming step, found by taking the step with a copy of the simulation's system.
+fn orders(
+    system: &System,
+    driving: Option<Box<dyn Driving>>,
+    word: &str,
+    dt: f64,
+    noise: NoiseKey,
+) -> Vec<Vec<(usize, usize)>> {
+    let Integrator::Splitting(schedule) = splitting(word) else { unreachable!() };
+    let (mut system, mut driving) = (system.clone(), driving);
+    let backward = schedule.backward(system.step);
+    if let Some(driving) = &mut driving {
+        driving.begin(&mut system).unwrap();
+    }
+    let mut orders = Vec::new();
+    for (place, (letter, share)) in schedule.entries().iter().enumerate() {
+        let order = sweep_order(&mut system, backward);
+        orders.push(if letter.symbol() == 'O' { order } else { Vec::new() });
+        let stroke = Stroke { time: share * dt, place: place as u64, noise, backward, response: None };
+        letter.apply(&mut system, &stroke).unwrap();
+        if let Some(driving) = &mut driving {
+            driving.after_letter(&mut system, letter.symbol(), stroke.time, FluxChange::Determined);
+        }
+    }
+    orders
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Drive {
+    None,
+    Nemd(ForcingKind),
+    Norton(ForcingKind),
+}
+
+impl Drive {
+    const MAGNITUDE: f64 = 0.9;
+
+    fn driving(self, count: usize) -> Option<Box<dyn Driving>> {
+        match self {
+            Self::None => None,
+            Self::Nemd(kind) => Some(Box::new(ConstantForce::new(kind.forcing(count).unwrap(), Self::MAGNITUDE))),
+            Self::Norton(kind) => Some(Box::new(ConstantFlux::new(kind.forcing(count).unwrap(), Self::MAGNITUDE))),
+        }
+    }
+}
+
+/// Three steps of engine and naive reference; compares positions, momenta, flux and booked forcing after each.
+fn compare_steps(system: System, word: &str, drive: Drive, noise: NoiseKey) -> Result<(), TestCaseError> {
+    let (dt, count) = (0.008, system.particles.count());
+    let Integrator::Splitting(schedule) = splitting(word) else { unreachable!() };
+    let mut field = match drive {
+        Drive::None => None,
+        Drive::Nemd(kind) | Drive::Norton(kind) => Some(ForcingField::new(kind.forcing(count).unwrap())),
+    };
+    let mut naive = Naive::of(&system);
+    if let (Drive::Norton(_), Some(field)) = (drive, &mut field) {
+        naive.project(field, Drive::MAGNITUDE);
+    }
+    let mut simulation = Simulation::new(system, splitting(word), drive.driving(count), noise, dt).unwrap();
+    for _ in 0..3 {
+        let orders = orders(&simulation.system, drive.driving(count), word, dt, noise);
+        let driven = simulation.step().unwrap();
+        let multiplier = naive_step(&mut naive, &schedule, drive, field.as_mut(), &orders, dt, noise)?;
+        let sum: f64 = naive.p.iter().map(|&p| dot(p, p).sqrt()).sum();
+        let scale = 1e-10 * sum / count as f64;
+        same(&unwrapped(&simulation.system), &naive.q, |_| 1e-11)?;
+        let particles = &simulation.system.particles;
+        same(&by_id(particles, &particles.momentum), &naive.p, |_| scale)?;
+        if let (Some(driven), Some(field)) = (driven, &mut field) {
+            prop_assert!((driven.flux - naive.flux(field)).abs() <= 1e-10 * sum / (count as f64).sqrt());
+            let tolerance = 1e-10 * (sum / dt).max(multiplier.abs());
+            prop_assert!(
+                (driven.forcing - multiplier).abs() <= tolerance,
+                "{} booked, {} expected",
+                driven.forcing,
+                multiplier
+            );
+        }
+    }
+    Ok(())
+}
+
+/// One naive step with its driving (eqs 25–32 and 52–71); returns η or ℓ/Δt.
+fn naive_step(
+    naive: &mut Naive,
+    schedule: &Schedule,
+    drive: Drive,
+    mut field: Option<&mut ForcingField>,
+    orders: &[Vec<(usize, usize)>],
+    dt: f64,
+    noise: NoiseKey,
+) -> Result<f64, TestCaseError> {
+    let mut booked = 0.0;
+    let mut outcome = Ok(());
+    let order = |place: usize, naive: &Naive| {
+        let mut found: Vec<_> = orders[place].iter().map(|&(i, j)| (i.min(j), i.max(j))).collect();
+        found.sort_by_key(|&(i, j)| (j, i));
+        if found != naive.pairs() {
+            outcome = Err(TestCaseError::fail("the contacts are not the pairs within the cutoff"));
+        }
+        orders[place].clone()
+    };
+    naive.word(schedule, dt, noise, order, |naive, symbol, time, dissipative| match (drive, &mut field) {
+        (Drive::Nemd(_), Some(field)) if symbol == 'B' => {
+            naive.flux(field);
+            for (p, f) in naive.p.iter_mut().zip(&field.force) {
+                *p = std::array::from_fn(|k| p[k] + time * Drive::MAGNITUDE * f[k]);
+            }
+        }
+        (Drive::Norton(_), Some(field)) => {
+            let multiplier = naive.project(field, Drive::MAGNITUDE);
+            let expected: f64 = field.response.iter().zip(dissipative).map(|(&g, &d)| dot(g, d)).sum();
+            booked += if symbol == 'O' { -expected / field.control } else { multiplier };
+        }
+        _ => {}
+    });
+    outcome?;
+    Ok(if matches!(drive, Drive::Norton(_)) { booked / dt } else { Drive::MAGNITUDE })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn conservative_forces(law in 0usize..2, species in 1usize..3, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
+        let mut system = random_system(law, species, shape, NoiseKey::new(&[seed]));
+        system.update_forces();
+        let (expected, magnitude) = Naive::of(&system).forces();
+        same(&by_id(&system.particles, system.forces()), &expected, |k| 1e-12 * magnitude[k])?;
+    }
+
+    #[test]
+    fn words(law in 0usize..3, species in 1usize..3, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, start in 0u64..2, seed: u64) {
+        let noise = NoiseKey::new(&[seed]);
+        let mut system = random_system(law, species, shape, noise);
+        system.step = start;
+        compare_steps(system, WORDS[word], Drive::None, noise)?;
+    }
+
+    #[test]
+    fn driven_words(species in 1usize..3, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, color: bool, norton: bool, seed: u64) {
+        let noise = NoiseKey::new(&[seed]);
+        let kind = if color { ForcingKind::ColorDrift } else { ForcingKind::TwoParticleDrift };
+        let drive = if norton { Drive::Norton(kind) } else { Drive::Nemd(kind) };
+        compare_steps(random_system(seed as usize % 3, species, shape, noise), WORDS[word], drive, noise)?;
+    }
+
+    #[test]
+    fn groot_and_warrens_velocity_verlet(law in 0usize..3, species in 1usize..3, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], seed: u64) {
+        let noise = NoiseKey::new(&[seed]);
+        let system = random_system(law, species, shape, noise);
+        let mut naive = Naive::of(&system);
+        let mut simulation = Simulation::new(system, velocity_verlet(), None, noise, 0.008).unwrap();
+        (0..3).for_each(|_| assert!(simulation.step().unwrap().is_none()));
+        naive.velocity_verlet(3, 0.008, 0.5, noise);
+        same(&unwrapped(&simulation.system), &naive.q, |_| 1e-11)?;
+        let particles = &simulation.system.particles;
+        same(&by_id(particles, &particles.momentum), &naive.p, |_| 1e-10)?;
+    }
+}

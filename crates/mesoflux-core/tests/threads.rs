@@ -1,0 +1,62 @@
+//! One large Norton run gives the same bits on any number of threads.
+
+mod common;
+
+use common::{Fluid, by_id};
+use mesoflux_core::domain::Workers;
+use mesoflux_core::driving::ConstantFlux;
+use mesoflux_core::forcing::ColorDrift;
+use mesoflux_core::noise::NoiseKey;
+use mesoflux_core::vector::Vector;
+
+/// Everything that a run leaves behind, as bits.
+#[derive(PartialEq)]
+struct Trace {
+    positions: Vec<[u64; 3]>,
+    momenta: Vec<[u64; 3]>,
+    /// Flux and booked forcing of every step.
+    driven: Vec<[u64; 2]>,
+    builds: u64,
+}
+
+fn run(fluid: &Fluid, steps: usize, dt: f64, workers: Workers) -> Trace {
+    let driving = Box::new(ConstantFlux::new(Box::new(ColorDrift), 30.0));
+    let mut simulation = fluid.simulation("ABOBA", Some(driving), NoiseKey::new(&[1]), dt);
+    simulation.system.workers = workers;
+    let driven = (0..steps).map(|_| simulation.step().unwrap().unwrap());
+    let driven = driven.map(|step| [step.flux.to_bits(), step.forcing.to_bits()]).collect();
+    let bits = |column: &[Vector]| -> Vec<[u64; 3]> {
+        let ordered = by_id(&simulation.system.particles, column);
+        ordered.iter().map(|v| v.map(f64::to_bits)).collect()
+    };
+    Trace {
+        positions: bits(&simulation.system.particles.position),
+        momenta: bits(&simulation.system.particles.momentum),
+        driven,
+        builds: simulation.system.list().builds(),
+    }
+}
+
+fn same_bits_on_any_number_of_threads(fluid: &Fluid, steps: usize, dt: f64) {
+    let expected = run(fluid, steps, dt, Workers::One);
+    assert!(expected.builds > 3, "the list must have been rebuilt, {} builds", expected.builds);
+    for threads in [1, 2, 3, 7] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found = pool.install(|| run(fluid, steps, dt, Workers::Pool));
+        assert!(found.driven == expected.driven, "flux or forcing differ on {threads} threads");
+        assert!(found.momenta == expected.momenta, "momenta differ on {threads} threads");
+        assert!(found.positions == expected.positions, "positions differ on {threads} threads");
+        assert_eq!(found.builds, expected.builds);
+    }
+}
+
+#[test]
+fn soft_fluid() {
+    same_bits_on_any_number_of_threads(&Fluid::groot_warren(20_000), 20, 0.04);
+}
+
+#[test]
+fn lennard_jones_liquid_of_two_masses() {
+    let fluid = Fluid::lennard_jones(20_000).with_species(&[(12_000, 1.0), (8_000, 2.0)]);
+    same_bits_on_any_number_of_threads(&Fluid { skin: 0.1, ..fluid }, 12, 0.01);
+}
