@@ -8,6 +8,7 @@ Usage: cargo xtask TASK [OPTIONS]
 
   test                 everything that must hold: formatting, lints, documentation, tests
       --quick          formatting, lints and unit tests only
+      --seeds N        the physics tests with seeds 1 to N: their z-scores must look normal (long)
 
   mutate [NAME...]     breaks the code on purpose, in a copy, and insists that the tests notice
       --list           what each mutation breaks, and which tests must turn red

@@ -1,5 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is good, in one command.
 
+use std::borrow::Cow;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -13,7 +14,7 @@ struct Step {
     /// Its name in the header and in the summary.
     name: &'static str,
     /// An environment variable that it needs.
-    environment: Option<(&'static str, &'static str)>,
+    environment: Option<(&'static str, Cow<'static, str>)>,
     /// The arguments after `cargo`.
     arguments: &'static [&'static str],
 }
@@ -26,7 +27,7 @@ const LINTS: Step = Step {
 };
 const DOCUMENTATION: Step = Step {
     name: "documentation",
-    environment: Some(("RUSTDOCFLAGS", "-D warnings")),
+    environment: Some(("RUSTDOCFLAGS", Cow::Borrowed("-D warnings"))),
     arguments: &["doc", "--workspace", "--no-deps"],
 };
 /// Unit, integration and documentation tests in the `test` profile, which is optimized: one build serves them all.
@@ -37,17 +38,27 @@ const UNIT_TESTS: Step =
 const EVERYTHING: &[Step] = &[FORMATTING, LINTS, DOCUMENTATION, TESTS];
 const QUICK: &[Step] = &[FORMATTING, LINTS, UNIT_TESTS];
 
+/// The physics tests with many seeds in place of one: their z-scores must look like normal deviates.
+fn over_seeds_step(count: &str) -> Step {
+    Step {
+        name: "physics over seeds",
+        environment: Some(("MESOFLUX_SEEDS", Cow::Owned(count.to_string()))),
+        arguments: &["test", "--package", "mesoflux-core", "--tests"],
+    }
+}
+
 impl Step {
     /// The command as a person would type it.
     fn as_typed(&self) -> String {
-        let environment = self.environment.map_or_else(String::new, |(name, value)| format!("{name}=\"{value}\" "));
+        let environment = self.environment.as_ref();
+        let environment = environment.map_or_else(String::new, |(name, value)| format!("{name}=\"{value}\" "));
         format!("{environment}cargo {}", self.arguments.join(" "))
     }
 
     /// Runs the step; its output goes straight through.
     fn run(&self, workspace: &Workspace) -> Result<ExitStatus, Failure> {
         let mut command = workspace.cargo();
-        command.args(self.arguments).envs(self.environment);
+        command.args(self.arguments).envs(self.environment.iter().map(|(name, value)| (name, value.as_ref())));
         command.status().map_err(|error| Failure::task(format!("could not start `{}`: {error}", self.as_typed())))
     }
 }
@@ -55,13 +66,19 @@ impl Step {
 /// Runs the steps in order and stops at the first that fails. Everything of our own goes to standard error,
 /// so that standard output is that of the tests alone.
 pub fn run(workspace: &Workspace, arguments: &[String]) -> Result<(), Failure> {
-    let mut steps = EVERYTHING;
-    for argument in arguments {
-        match argument.as_str() {
-            "--quick" => steps = QUICK,
-            other => return Err(Failure::usage(help::unknown("option of `test`", other, &["--quick"]))),
+    let over_seeds;
+    let steps = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => EVERYTHING,
+        ["--quick"] => QUICK,
+        ["--seeds", count] if count.parse::<u32>().is_ok_and(|count| count > 1) => {
+            over_seeds = [over_seeds_step(count)];
+            &over_seeds
         }
-    }
+        ["--seeds", ..] => return Err(Failure::usage("`--seeds` takes how many seeds to try, at least 2".to_string())),
+        [other, ..] => {
+            return Err(Failure::usage(help::unknown("option of `test`", other, &["--quick", "--seeds"])));
+        }
+    };
     install_components(workspace)?;
     let mut times = Vec::new();
     for step in steps {

@@ -39,23 +39,25 @@ pub enum Ending {
     Stopped,
 }
 
-/// Runs a simulation; `supervise` is told of every step done, and stops the run by answering `false`.
+/// Runs a simulation on from where it is, to the end of its length.
+///
+/// `supervise` sees simulation and recorders after every step, and stops the run by answering `false`.
 ///
 /// # Errors
 /// A state that is no longer finite.
-pub fn run(
+pub fn run<R: Recorder>(
     simulation: &mut Simulation,
     length: Length,
-    recorders: &mut [Box<dyn Recorder + '_>],
-    mut supervise: impl FnMut(&Simulation) -> bool,
+    recorders: &mut [R],
+    mut supervise: impl FnMut(&Simulation, &[R]) -> bool,
 ) -> Result<Ending, SimulationError> {
-    for step in 0..length.equilibration + length.production {
+    while simulation.system.step < length.equilibration + length.production {
         let driven = simulation.step()?;
-        if let Some(step) = (step + 1).checked_sub(length.equilibration).filter(|&step| step > 0) {
+        if let Some(step) = simulation.system.step.checked_sub(length.equilibration).filter(|&step| step > 0) {
             let mut moment = Moment { simulation, step, driven };
             recorders.iter_mut().for_each(|recorder| recorder.observe(&mut moment));
         }
-        if !supervise(simulation) {
+        if !supervise(simulation, recorders) {
             return Ok(Ending::Stopped);
         }
     }

@@ -2,9 +2,10 @@
 
 use crate::driving::{DrivenStep, Driving};
 use crate::forcing::ForcingError;
-use crate::integrate::{Integrator, Stroke};
+use crate::integrate::{Columns, Integrator, Stroke};
 use crate::noise::NoiseKey;
-use crate::system::{SimulationError, System};
+use crate::system::{SimulationError, Snapshot, SnapshotError, System};
+use serde::{Deserialize, Serialize};
 
 /// A simulation that can't be set up.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,6 +21,15 @@ pub enum SetupError {
     /// A letter that can't say what Norton dynamics needs to book.
     #[error("the letter '{0}' can't tell the expected part of its change of the flux: constant flux is refused")]
     LetterCannotTell(char),
+}
+
+/// The whole state of a simulation between two steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SimulationSnapshot {
+    /// Particles, list, step.
+    pub system: Snapshot,
+    /// Where velocity Verlet keeps its forces.
+    pub velocity_verlet: Option<Columns>,
 }
 
 /// A simulation under way.
@@ -56,6 +66,27 @@ impl Simulation {
             driving.begin(&mut system)?;
         }
         Ok(Self { system, integrator, driving, noise, time_step })
+    }
+
+    /// The whole state, between two steps.
+    pub fn snapshot(&self) -> SimulationSnapshot {
+        let velocity_verlet = match &self.integrator {
+            Integrator::VelocityVerlet(scheme) => scheme.columns(),
+            Integrator::Splitting(_) => None,
+        };
+        SimulationSnapshot { system: self.system.snapshot(), velocity_verlet }
+    }
+
+    /// Goes on from a state that `snapshot` gave, to the same bits.
+    ///
+    /// # Errors
+    /// A snapshot that doesn't fit.
+    pub fn restore(&mut self, snapshot: SimulationSnapshot) -> Result<(), SnapshotError> {
+        self.system.restore(snapshot.system)?;
+        if let Integrator::VelocityVerlet(scheme) = &mut self.integrator {
+            scheme.resume(snapshot.velocity_verlet);
+        }
+        Ok(())
     }
 
     /// One time step.

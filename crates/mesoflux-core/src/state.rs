@@ -5,9 +5,10 @@
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::vector::{Vector, ZERO, dot};
+use serde::{Deserialize, Serialize};
 
 /// The state of all particles. Columns have equal length; entry k of every column belongs to the same particle.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Particles {
     /// Identity: 0 … N−1, once each.
     pub id: Vec<u64>,
@@ -26,7 +27,7 @@ pub struct Particles {
 }
 
 /// The name of a registered column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column(usize);
 
 impl Particles {
@@ -91,6 +92,30 @@ impl Particles {
     /// Twice the kinetic energy, Σ p²/m.
     pub fn twice_kinetic_energy(&self, workers: Workers) -> f64 {
         workers.sum(self.count(), |k| dot(self.momentum[k], self.momentum[k]) * self.inverse_mass[k])
+    }
+
+    /// Whether the columns fit together: equal lengths, every id once, known species, finite numbers.
+    pub fn is_consistent(&self, species: usize) -> bool {
+        let count = self.count();
+        let mut seen = vec![false; count];
+        let each_id_once = self.id.iter().all(|&id| {
+            let place = seen.get_mut(id as usize);
+            place.is_some_and(|seen| !std::mem::replace(seen, true))
+        });
+        let lengths = [
+            self.species.len(),
+            self.position.len(),
+            self.crossings.len(),
+            self.momentum.len(),
+            self.inverse_mass.len(),
+        ];
+        let columns = [&self.position, &self.momentum].into_iter().chain(&self.columns);
+        each_id_once
+            && lengths.iter().all(|&length| length == count)
+            && self.columns.iter().all(|column| column.len() == count)
+            && self.species.iter().all(|&kind| usize::from(kind) < species)
+            && self.inverse_mass.iter().all(|&w| w.is_finite() && w > 0.0)
+            && columns.flatten().flatten().all(|number| number.is_finite())
     }
 
     /// Σ p.

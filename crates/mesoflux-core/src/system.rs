@@ -7,6 +7,7 @@ use crate::neighbors::{NeighborError, NeighborList};
 use crate::pair::conservative_forces;
 use crate::state::Particles;
 use crate::vector::{Vector, ZERO, dot};
+use serde::{Deserialize, Serialize};
 
 /// A simulation that failed numerically.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -53,7 +54,72 @@ pub struct System {
     layout: u64,
 }
 
+/// Everything that a system's future depends on beside its input: the particles, and where they were when the list was built.
+///
+/// The list's order is part of the state, because the thermostat's sweep follows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// Steps done.
+    pub step: u64,
+    /// The particles in storage order.
+    pub particles: Particles,
+    /// Their positions at the last list build.
+    pub reference: Vec<Vector>,
+}
+
+/// A snapshot that does not fit the system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SnapshotError {
+    /// Wrong lengths, ids, species, or numbers that are none.
+    #[error("the particles of the snapshot are not consistent")]
+    Inconsistent,
+    /// Another number of particles.
+    #[error("the snapshot has {found} particles: must have {expected}, as the input says")]
+    Count {
+        /// In the snapshot.
+        found: usize,
+        /// In the input.
+        expected: usize,
+    },
+    /// The list built from the reference positions has another order.
+    #[error("the neighbor list of the snapshot cannot be built again in its order: box, cutoffs or skin differ")]
+    Order,
+}
+
 impl System {
+    /// The state as it is.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot { step: self.step, particles: self.particles.clone(), reference: self.list.reference().to_vec() }
+    }
+
+    /// Takes over a state, to go on from it to the same bits as without the interruption.
+    ///
+    /// # Errors
+    /// A snapshot of another system, or a damaged one; this system is then no longer usable.
+    pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), SnapshotError> {
+        let (expected, found) = (self.particles.count(), snapshot.particles.count());
+        if found != expected {
+            return Err(SnapshotError::Count { found, expected });
+        }
+        let finite = snapshot.reference.iter().flatten().all(|x| x.is_finite());
+        let species = self.interactions.potentials.species();
+        if !finite || snapshot.reference.len() != expected || !snapshot.particles.is_consistent(species) {
+            return Err(SnapshotError::Inconsistent);
+        }
+        // Built where it was built before, the list is the same to the last pair; then everybody goes where they have come since.
+        let (order, position) = (snapshot.particles.id.clone(), snapshot.particles.position.clone());
+        let crossings = snapshot.particles.crossings.clone();
+        self.particles = snapshot.particles;
+        self.particles.position = snapshot.reference;
+        self.rebuild();
+        if self.particles.id != order || self.particles.crossings != crossings {
+            return Err(SnapshotError::Order);
+        }
+        self.particles.position = position;
+        self.step = snapshot.step;
+        Ok(())
+    }
+
     /// A system at its start.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! From finished runs to results: estimates, comparisons between routes, tables.
 
+use crate::figure::Profile;
 use crate::job::{Finished, JobError, merged_records};
 use crate::plan::{Measurement, Plan, PointPlan};
 use mesoflux_analysis::Estimate;
@@ -20,8 +21,8 @@ pub struct Circumstances {
 pub struct Answer {
     /// For `results.json`.
     pub results: Results,
-    /// File name and contents.
-    pub tables: Vec<(String, String)>,
+    /// File name and contents of tables and figures.
+    pub files: Vec<(String, String)>,
 }
 
 /// Estimates everything the plan asks for from its finished runs.
@@ -36,26 +37,31 @@ pub fn answer(
 ) -> Result<Answer, JobError> {
     let mut estimates = Vec::new();
     let mut comparisons = Vec::new();
-    let mut tables = Vec::new();
+    let mut files = Vec::new();
     for (index, point) in plan.points.iter().enumerate() {
         let first = estimates.len();
+        let suffix = if plan.points.len() > 1 { format!("-{}", index + 1) } else { String::new() };
+        let mut profiles: Vec<Profile> = Vec::new();
         for (place, measurement) in point.measurements.iter().enumerate() {
             let failed = |source| JobError::Route { place: format!("measure.{}", measurement.name), source };
             let mut record = blank(point, measurement);
             if let Some(records) = merged_records(plan, finished, index, place).map_err(failed)? {
                 let outcome = measurement.route.estimate(&point.input, &records).map_err(failed)?;
                 record.take(&outcome.estimate);
+                Profile::collect(&mut profiles, &record, &outcome.response);
                 record.conditions.extend(outcome.conditions);
                 if let Some((header, rows)) = outcome.table {
-                    let suffix = if plan.points.len() > 1 { format!("-{}", index + 1) } else { String::new() };
                     let name = format!("{}-{}{suffix}.csv", measurement.name, record.method);
-                    tables.push((name.clone(), csv(&header, &rows)));
+                    files.push((name.clone(), csv(&header, &rows)));
                     record.table = Some(name);
                 }
             } else {
                 record.warnings.push("its runs are not complete".to_owned());
             }
             estimates.push(record);
+        }
+        for profile in profiles.iter().filter(|profile| profile.is_worth_drawing()) {
+            files.push((format!("{}{suffix}.svg", profile.measurement), profile.draw(&input.title)));
         }
         comparisons.extend(compare(point, &estimates[first..]));
     }
@@ -75,7 +81,7 @@ pub fn answer(
         estimates,
         comparisons,
     };
-    Ok(Answer { results, tables })
+    Ok(Answer { results, files })
 }
 
 /// Particles times steps of some runs of a point, all replicas, equilibration included.

@@ -4,6 +4,7 @@
 //! of all routes, sweep points and replicas and does them side by side on the cores; [`report`] shows what came out.
 
 pub mod answer;
+pub mod figure;
 pub mod job;
 pub mod plan;
 pub mod progress;

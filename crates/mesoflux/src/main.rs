@@ -113,7 +113,7 @@ fn run(arguments: RunArguments) -> Result<(), Failure> {
     progress.finish();
     let circumstances = Circumstances { threads, wall_seconds: start.elapsed().as_secs_f64() };
     let answer = answer(&file.input, &plan, &finished?, circumstances)?;
-    for (name, contents) in &answer.tables {
+    for (name, contents) in &answer.files {
         directory.write(name, contents.as_bytes())?;
     }
     let json = serde_json::to_string_pretty(&answer.results)? + "\n";

@@ -43,7 +43,8 @@ impl Options {
                 }
                 // A path, as a shell completes it, names its file.
                 name => {
-                    options.names.push(name.rsplit('/').next().unwrap_or(name).trim_end_matches(".patch").to_string())
+                    let file = name.rsplit('/').next().unwrap_or(name);
+                    options.names.push(file.trim_end_matches(".patch").to_string());
                 }
             }
         }

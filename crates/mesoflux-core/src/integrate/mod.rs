@@ -10,7 +10,7 @@ pub use drift::Drift;
 pub use kick::Kick;
 pub use pair_ornstein_uhlenbeck::PairOrnsteinUhlenbeck;
 pub use splitting::{Schedule, WordError};
-pub use velocity_verlet::VelocityVerlet;
+pub use velocity_verlet::{Columns, VelocityVerlet};
 
 use crate::noise::NoiseKey;
 use crate::system::{SimulationError, System};

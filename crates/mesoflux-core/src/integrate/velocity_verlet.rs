@@ -5,6 +5,7 @@ use crate::pair::{PairNoise, velocity_dependent_forces};
 use crate::state::Column;
 use crate::system::{SimulationError, System};
 use crate::vector::{Vector, ZERO, add_scaled};
+use serde::{Deserialize, Serialize};
 
 /// q += Δt v + ½Δt² f/m; ṽ = v + λΔt f/m; f' = f(q', ṽ); v' = v + ½Δt (f + f')/m.
 ///
@@ -19,8 +20,9 @@ pub struct VelocityVerlet {
     velocity: Vec<Vector>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Columns {
+/// Where the scheme keeps its numbers between steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Columns {
     force: Column,
     predicted: Column,
 }
@@ -29,6 +31,16 @@ impl VelocityVerlet {
     /// The scheme for kT and λ.
     pub fn new(temperature: f64, lambda: f64) -> Self {
         Self { temperature, lambda, columns: None, velocity: Vec::new() }
+    }
+
+    /// The columns in use, once the first step is done.
+    pub fn columns(&self) -> Option<Columns> {
+        self.columns
+    }
+
+    /// Goes on with columns that came with a restored state.
+    pub fn resume(&mut self, columns: Option<Columns>) {
+        self.columns = columns;
     }
 
     /// One step.

@@ -205,6 +205,11 @@ impl NeighborList {
         &self.bricks
     }
 
+    /// The positions at which the list was built, in storage order.
+    pub fn reference(&self) -> &[Vector] {
+        &self.reference
+    }
+
     /// How many times the list was built.
     pub fn builds(&self) -> u64 {
         self.builds

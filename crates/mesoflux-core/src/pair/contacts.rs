@@ -39,6 +39,7 @@ impl Contacts {
     }
 
     /// Takes from a list the pairs within the cutoff.
+    #[inline(always)]
     pub(crate) fn update(
         &mut self,
         listed: &[ListedPair],

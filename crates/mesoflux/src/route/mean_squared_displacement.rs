@@ -56,7 +56,7 @@ impl Route for MeanSquaredDisplacementRoute {
             .into_iter()
             .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
         let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
-        Ok(Outcome { estimate, conditions, table: Some((header, rows.collect())) })
+        Ok(Outcome { estimate, conditions, table: Some((header, rows.collect())), response: Vec::new() })
     }
 }
 

@@ -87,12 +87,23 @@ pub struct Outcome {
     pub conditions: Conditions,
     /// A table to write beside the results: header with units, and rows.
     pub table: Option<(Vec<&'static str>, Vec<Vec<f64>>)>,
+    /// Points of the response curve, for a route that drives the fluid.
+    pub response: Vec<Response>,
+}
+
+/// A point of a response curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// η, or the mean λ, and its standard error.
+    pub forcing: (f64, f64),
+    /// The mean R, or r, and its standard error.
+    pub flux: (f64, f64),
 }
 
 impl Outcome {
     /// An estimate alone.
     pub fn of(estimate: Estimate) -> Self {
-        Self { estimate, conditions: Conditions::new(), table: None }
+        Self { estimate, conditions: Conditions::new(), table: None, response: Vec::new() }
     }
 }
 

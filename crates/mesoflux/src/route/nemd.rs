@@ -1,6 +1,6 @@
 //! Mobility by nonequilibrium molecular dynamics: the flux that a constant force drives (Wu & Shang, eqs 8, 9).
 
-use super::{DrivenRecorder, Outcome, Record, Route, RouteError, RouteRecorder, RunKind};
+use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteRecorder, RunKind};
 use mesoflux_analysis::{Estimate, OrderChoice, ResponseCurve, ResponsePoint, fit_response};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_io::input::Input;
@@ -39,7 +39,8 @@ impl Route for Nemd {
         }
         let header = vec!["magnitude [f]", "flux [v]", "standard_error [v]", "kinetic_temperature [e]"];
         let table = Some((header, rows(&points, records)?));
-        Ok(Outcome { estimate: curve.coefficient, conditions, table })
+        let response = points.iter().map(|p| Response { forcing: (p.x, 0.0), flux: (p.y, p.standard_error) }).collect();
+        Ok(Outcome { estimate: curve.coefficient, conditions, table, response })
     }
 }
 

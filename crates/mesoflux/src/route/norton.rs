@@ -1,7 +1,7 @@
 //! Mobility by stochastic Norton dynamics: the forcing that a constant flux needs (Wu & Shang, eqs 15, 16, 92).
 
 use super::nemd::{component, driven_conditions, points, rows};
-use super::{DrivenRecorder, Outcome, Record, Route, RouteError, RouteRecorder, RunKind};
+use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteRecorder, RunKind};
 use mesoflux_analysis::{Estimate, OrderChoice, fit_inverse_response};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_io::input::Input;
@@ -51,6 +51,7 @@ impl Route for Norton {
                 row.extend(numbers.map(|number| number.unwrap_or(0.0)));
             }
         }
-        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some((header, rows)) })
+        let response = points.iter().map(|p| Response { forcing: (p.y, p.standard_error), flux: (p.x, 0.0) }).collect();
+        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some((header, rows)), response })
     }
 }

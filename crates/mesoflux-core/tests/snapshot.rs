@@ -1,0 +1,82 @@
+//! Stopping and going on: a restored simulation takes the same way to the last bit.
+
+use mesoflux_core::boundary::PeriodicBox;
+use mesoflux_core::domain::Workers;
+use mesoflux_core::driving::{ConstantFlux, Driving};
+use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::friction::{Friction, linear::Linear};
+use mesoflux_core::integrate::{Integrator, Schedule, SweepOrder, Thermostat, VelocityVerlet};
+use mesoflux_core::interactions::Interactions;
+use mesoflux_core::noise::NoiseKey;
+use mesoflux_core::potential::{Potential, soft::Soft};
+use mesoflux_core::simulation::Simulation;
+use mesoflux_core::start::{Start, draw_momenta, positions};
+use mesoflux_core::state::Particles;
+use mesoflux_core::system::{SnapshotError, System};
+
+fn simulation(integrator: Integrator, driven: bool) -> Simulation {
+    let noise = NoiseKey::new(&[1]);
+    let region = PeriodicBox::new([5.0, 4.0, 6.0]).unwrap();
+    let potential = Potential::Soft(Soft { repulsion: 25.0, cutoff: 1.0 });
+    let friction = Friction::Linear(Linear { coefficient: 4.5, cutoff: 1.0, exponent: 2.0 });
+    let interactions = Interactions::uniform(Some(potential), Some(friction), 1.0);
+    let sites = positions(Start::Random, 360, &region, noise);
+    let mut particles = Particles::at_rest(sites, vec![0; 360], &[1.0]);
+    draw_momenta(&mut particles, 1.0, noise);
+    let system = System::new(particles, region, interactions, 0.3, Workers::One).unwrap();
+    let driving: Option<Box<dyn Driving>> = if driven {
+        Some(Box::new(ConstantFlux::new(ForcingKind::ColorDrift.forcing(360).unwrap(), 0.7)))
+    } else {
+        None
+    };
+    Simulation::new(system, integrator, driving, noise, 0.02).unwrap()
+}
+
+fn word(word: &str) -> Integrator {
+    let thermostat = Thermostat::PairOrnsteinUhlenbeck;
+    Integrator::Splitting(Schedule::new(word, thermostat, 1.0, SweepOrder::Alternating).unwrap())
+}
+
+/// Runs 60 steps at once, and again with a new start from a snapshot after each of some numbers of steps.
+fn goes_on_to_the_same_bits(integrator: impl Fn() -> Integrator, driven: bool) {
+    let mut uninterrupted = simulation(integrator(), driven);
+    let forcings: Vec<_> = (0..60).map(|_| uninterrupted.step().unwrap()).collect();
+    assert!(uninterrupted.system.list().builds() > 5, "the list must be rebuilt on the way");
+    let mut interrupted = simulation(integrator(), driven);
+    let mut again = Vec::new();
+    for steps in [1, 2, 3, 7, 20, 27] {
+        again.extend((0..steps).map(|_| interrupted.step().unwrap()));
+        let snapshot = interrupted.snapshot();
+        interrupted = simulation(integrator(), driven);
+        interrupted.restore(snapshot).unwrap();
+    }
+    assert_eq!(forcings, again);
+    assert_eq!(uninterrupted.snapshot(), interrupted.snapshot());
+}
+
+#[test]
+fn a_restored_simulation_goes_on_to_the_same_bits() {
+    goes_on_to_the_same_bits(|| word("ABOBA"), false);
+    goes_on_to_the_same_bits(|| word("OBABO"), false);
+    goes_on_to_the_same_bits(|| word("ABOBA"), true);
+    goes_on_to_the_same_bits(|| Integrator::VelocityVerlet(VelocityVerlet::new(1.0, 0.5)), false);
+}
+
+#[test]
+fn snapshots_that_do_not_fit_are_refused() {
+    let mut target = simulation(word("ABOBA"), false);
+    let good = target.snapshot();
+    let refused = |change: &dyn Fn(&mut mesoflux_core::system::Snapshot)| {
+        let mut target = simulation(word("ABOBA"), false);
+        let mut bad = good.clone();
+        change(&mut bad.system);
+        target.restore(bad).unwrap_err()
+    };
+    assert_eq!(refused(&|s| s.particles.id[3] = s.particles.id[4]), SnapshotError::Inconsistent);
+    assert_eq!(refused(&|s| s.particles.momentum[0][1] = f64::NAN), SnapshotError::Inconsistent);
+    assert_eq!(refused(&|s| s.reference.truncate(10)), SnapshotError::Inconsistent);
+    assert_eq!(refused(&|s| s.particles.species[7] = 9), SnapshotError::Inconsistent);
+    assert_eq!(refused(&|s| s.reference.swap(5, 200)), SnapshotError::Order);
+    assert_eq!(refused(&|s| s.particles.id.truncate(1)), SnapshotError::Count { found: 1, expected: 360 });
+    target.restore(good.clone()).unwrap();
+}
