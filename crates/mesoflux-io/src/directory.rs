@@ -61,6 +61,19 @@ impl OutputDirectory {
         &self.path
     }
 
+    /// Removes a file or directory of an earlier run, if it is there; nothing else in the directory is touched.
+    ///
+    /// # Errors
+    /// Something that can't be removed.
+    pub fn remove(&self, name: &str) -> Result<(), DirectoryError> {
+        let path = self.path.join(name);
+        let removed = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        match removed {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(failed(&path, source)),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes a file whole: under another name first, on disk before it takes its own.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! The files of mesoflux: what a run is asked (`input`) and what it answers (`results`, `directory`).
 
+pub mod checkpoint;
 pub mod directory;
 pub mod input;
 pub mod results;

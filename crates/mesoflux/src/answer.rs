@@ -72,7 +72,7 @@ pub fn answer(
         input: input.with_defaults(),
         seed: input.run.seed,
         threads: circumstances.threads,
-        complete: finished.len() == plan.tasks().len(),
+        complete: finished.len() == plan.tasks().len() && finished.iter().all(|run| run.complete),
         kernel: mesoflux_core::pair::KERNEL,
         wall_seconds: circumstances.wall_seconds,
         particle_steps,

@@ -1,20 +1,17 @@
-//! Doing a plan: simulations built, run side by side on the cores, their records merged and turned into estimates.
+//! Doing a plan: runs side by side on the cores, their states kept, their records merged.
 
 use crate::plan::{Plan, PointPlan, Task};
 use crate::progress::Progress;
-use crate::route::{Record, RouteError, RouteRecorder, RunKind};
-use mesoflux_analysis::Blocking;
+use crate::route::{Record, RouteError, RouteRecorder, thermometer};
+use crate::setup::simulation;
+use crate::store::{RunState, Store, StoreError};
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
-use mesoflux_core::noise::NoiseKey;
-use mesoflux_core::run::{Ending, Length, Moment, Recorder, run};
+use mesoflux_core::run::{Ending, Length, run};
 use mesoflux_core::simulation::Simulation;
-use mesoflux_core::start::{deal_species, draw_momenta, positions, relax_overlaps};
-use mesoflux_core::state::Particles;
-use mesoflux_core::system::{SimulationError, System};
-use mesoflux_io::input::Input;
+use mesoflux_core::system::{SimulationError, SnapshotError};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// A job that failed.
 #[derive(Debug, thiserror::Error)]
@@ -43,6 +40,22 @@ pub enum JobError {
         /// Why.
         source: RouteError,
     },
+    /// A state couldn't be written or read.
+    #[error("{place}: {source}")]
+    Store {
+        /// Which run.
+        place: String,
+        /// Why.
+        source: StoreError,
+    },
+    /// A state of another input.
+    #[error("{place}: {source}")]
+    Snapshot {
+        /// Which run.
+        place: String,
+        /// Why.
+        source: SnapshotError,
+    },
     /// The threads couldn't be started.
     #[error("--threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -53,87 +66,135 @@ pub enum JobError {
 pub struct Finished {
     /// Which.
     pub task: Task,
+    /// Whether it came to its end.
+    pub complete: bool,
+    /// Steps done, equilibration included.
+    pub steps: u64,
     /// A record for each measurement of the point that uses the run, by the measurement's place.
     pub records: Vec<(usize, Record)>,
     /// The kinetic temperature averaged over production.
     pub temperature: Option<f64>,
+    /// What a reader must know of how it went.
+    pub remarks: Vec<String>,
+}
+
+/// How a job is done.
+#[derive(Debug)]
+pub struct Conduct<'a> {
+    /// Threads to use; the results don't depend on it.
+    pub threads: usize,
+    /// Where states are kept, if anywhere.
+    pub store: Option<&'a Store>,
+    /// Set from outside to stop everything after the present step.
+    pub stop: &'a AtomicBool,
+    /// When to stop by itself.
+    pub deadline: Option<Instant>,
+    /// Told of every step.
+    pub progress: &'a Progress,
 }
 
 /// Below this many particles a simulation is cheapest on one thread.
 const SMALL_SYSTEM: u64 = 4000;
 
-/// Does all tasks of a plan on `threads` threads; the results don't depend on how many.
+/// Does all tasks of a plan, each from its kept state if it has one.
 ///
 /// # Errors
-/// The first failure; the other runs are stopped.
-pub fn perform(plan: &Plan, threads: usize, progress: &Progress) -> Result<Vec<Finished>, JobError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+/// The first failure; the other runs are stopped, their states kept.
+pub fn perform(plan: &Plan, conduct: &Conduct) -> Result<Vec<Finished>, JobError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(conduct.threads).build()?;
     let tasks = plan.tasks();
     let largest = plan.points.iter().map(|point| point.input.particles()).max().unwrap_or(0);
-    let stop = AtomicBool::new(false);
+    let failed = AtomicBool::new(false);
     let attempt = |task: &Task, workers: Workers| {
-        let finished = perform_task(plan, *task, workers, &stop, progress);
-        if finished.is_err() {
-            stop.store(true, Ordering::Relaxed);
-        }
+        let finished = perform_task(plan, *task, workers, conduct, &failed);
+        failed.fetch_or(finished.is_err(), Ordering::Relaxed);
         finished
     };
     // Side by side when there are runs enough or each is too small to split; else one after the other, each on all threads.
-    let finished: Vec<_> = pool.install(|| {
-        if tasks.len() >= threads || largest < SMALL_SYSTEM {
-            tasks.par_iter().with_max_len(1).map(|task| attempt(task, Workers::One)).collect()
+    pool.install(|| {
+        if tasks.len() >= conduct.threads || largest < SMALL_SYSTEM {
+            let finished: Vec<_> = tasks.par_iter().with_max_len(1).map(|task| attempt(task, Workers::One)).collect();
+            finished.into_iter().collect()
         } else {
             tasks.iter().map(|task| attempt(task, Workers::Pool)).collect()
         }
-    });
-    // A run that was stopped because another failed is no failure of its own: report the real one.
-    let mut complete = Vec::new();
-    for outcome in finished {
-        complete.extend(outcome?);
-    }
-    Ok(complete)
+    })
 }
 
 fn perform_task(
     plan: &Plan,
     task: Task,
     workers: Workers,
-    stop: &AtomicBool,
-    progress: &Progress,
-) -> Result<Option<Finished>, JobError> {
+    conduct: &Conduct,
+    failed: &AtomicBool,
+) -> Result<Finished, JobError> {
     let point = &plan.points[task.point];
     let input = &point.input;
     let place = place(point, task);
     let refused = |source: RouteError| JobError::Route { place: place.clone(), source };
+    let unkept = |source: StoreError| JobError::Store { place: place.clone(), source };
     let mut simulation = simulation(point, task, workers, &place)?;
-    let mut thermometer = Thermometer::new(input.run.sample_interval).map_err(refused)?;
-    let mut recorders: Vec<(usize, Box<dyn RouteRecorder>)> = Vec::new();
-    for (index, measurement) in point.measurements.iter().enumerate() {
-        if measurement.runs.contains(&task.run) {
-            recorders.push((index, measurement.route.recorder(input).map_err(refused)?));
-        }
+    let users: Vec<usize> =
+        (0..point.measurements.len()).filter(|&k| point.measurements[k].runs.contains(&task.run)).collect();
+    let mut recorders: Vec<Box<dyn RouteRecorder>> = Vec::new();
+    for &user in &users {
+        recorders.push(point.measurements[user].route.recorder(input).map_err(refused)?);
     }
+    recorders.push(thermometer(input).map_err(refused)?);
+
+    let mut files = conduct.store.map(|store| store.files(task));
+    let mut remarks = Vec::new();
+    if let (Some(store), Some(files)) = (conduct.store, &mut files)
+        && let Some((state, damaged)) = store.read(files).map_err(unkept)?
+    {
+        remarks.extend(damaged.iter().map(|damaged| format!("{damaged}: went on from the state before it")));
+        simulation.restore(state.simulation).map_err(|source| JobError::Snapshot { place: place.clone(), source })?;
+        for (recorder, state) in recorders.iter_mut().zip(&state.recorders) {
+            recorder.load(state).map_err(refused)?;
+        }
+        conduct.progress.skip(simulation.system.step);
+    }
+    let resumed_at = simulation.system.step;
     let length = Length {
         equilibration: input.steps(input.run.equilibration_time),
         production: input.steps(input.run.production_time),
     };
-    let ending = {
-        let borrowed =
-            recorders.iter_mut().map(|(_, recorder)| Box::new(Borrowed(recorder.as_mut())) as Box<dyn Recorder>);
-        let mut all: Vec<Box<dyn Recorder>> = borrowed.collect();
-        all.push(Box::new(&mut thermometer));
-        run(&mut simulation, length, &mut all, |simulation| {
-            progress.step(&simulation.system);
-            !stop.load(Ordering::Relaxed)
-        })
-        .map_err(|source| JobError::Simulation { place: place.clone(), source })?
+    let mut keep = |simulation: &Simulation, recorders: &[Box<dyn RouteRecorder>]| -> Result<(), JobError> {
+        if let (Some(store), Some(files)) = (conduct.store, &mut files) {
+            let recorders =
+                recorders.iter().map(|recorder| recorder.save()).collect::<Result<_, _>>().map_err(refused)?;
+            store.write(files, &RunState { simulation: simulation.snapshot(), recorders }).map_err(unkept)?;
+        }
+        Ok(())
     };
-    if ending == Ending::Stopped {
-        return Ok(None);
+    let mut outcome = Ok(());
+    let mut kept_at = Instant::now();
+    let ending = run(&mut simulation, length, &mut recorders, |simulation, recorders| {
+        conduct.progress.step(&simulation.system);
+        if let Some(store) = conduct.store {
+            let by_steps = store.cadence.steps.is_some_and(|steps| simulation.system.step % steps == 0);
+            if by_steps || kept_at.elapsed() >= store.cadence.wall {
+                outcome = keep(simulation, recorders);
+                kept_at = Instant::now();
+            }
+        }
+        let late = conduct.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        outcome.is_ok() && !late && !conduct.stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed)
+    });
+    outcome?;
+    let ending = ending.map_err(|source| JobError::Simulation { place: place.clone(), source })?;
+    let steps = simulation.system.step;
+    if steps > resumed_at {
+        keep(&simulation, &recorders)?;
     }
-    let records =
-        recorders.into_iter().map(|(index, recorder)| Ok((index, recorder.finish()?))).collect::<Result<_, _>>();
-    Ok(Some(Finished { task, records: records.map_err(refused)?, temperature: thermometer.mean() }))
+    let mut records =
+        recorders.into_iter().map(RouteRecorder::finish).collect::<Result<Vec<_>, _>>().map_err(refused)?;
+    let temperature = match records.pop() {
+        Some(Record::Series(series)) => series.mean().map(|mean| mean[0]),
+        _ => None,
+    };
+    let records = users.into_iter().zip(records).collect();
+    Ok(Finished { task, complete: ending == Ending::Complete, steps, records, temperature, remarks })
 }
 
 /// Which run this is, for messages.
@@ -146,47 +207,6 @@ fn place(point: &PointPlan, task: Task) -> String {
         .map(|(key, value)| format!(", {key} = {value}"))
         .collect::<String>();
     format!("{} run{conditions}, replica {}", kind.name(), task.replica)
-}
-
-/// The simulation of one task at its start.
-fn simulation(point: &PointPlan, task: Task, workers: Workers, place: &str) -> Result<Simulation, JobError> {
-    let input = &point.input;
-    let kind = &point.runs[task.run];
-    let [route, forcing, strength] = kind.identity();
-    let noise = NoiseKey::new(&[input.run.seed, task.point as u64, route, forcing, strength, task.replica]);
-    let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
-    let system = start(input, noise, workers, place)?;
-    let driving: Option<Box<dyn Driving>> = match *kind {
-        RunKind::Equilibrium => None,
-        RunKind::Nemd { forcing, magnitude } => {
-            let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
-            Some(Box::new(ConstantForce::new(forcing, magnitude)))
-        }
-        RunKind::Norton { forcing, flux } => {
-            let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
-            Some(Box::new(ConstantFlux::new(forcing, flux)))
-        }
-    };
-    let integrator = input.integrator().map_err(|error| refused(error.to_string()))?;
-    Simulation::new(system, integrator, driving, noise, input.dynamics.time_step)
-        .map_err(|error| refused(error.to_string()))
-}
-
-/// The system of an input: particles placed, overlaps relaxed, momenta drawn.
-fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Result<System, JobError> {
-    let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
-    let region = input.region().map_err(|error| refused(error.to_string()))?;
-    let species = deal_species(&input.species_counts(), noise);
-    let positions = positions(input.system.start, species.len(), &region, noise);
-    let particles = Particles::at_rest(positions, species, &input.masses());
-    let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)
-        .map_err(|error| refused(error.to_string()))?;
-    if input.system.start == mesoflux_core::start::Start::Random {
-        relax_overlaps(&mut system, input.dynamics.temperature)
-            .map_err(|source| JobError::Simulation { place: format!("{place}, relaxing the start"), source })?;
-    }
-    draw_momenta(&mut system.particles, input.dynamics.temperature, noise);
-    Ok(system)
 }
 
 /// Merges the replicas of each run and lets every route estimate; `None` for a route whose runs aren't all there.
@@ -217,38 +237,4 @@ pub fn merged_records(
         }
     }
     Ok(Some(records))
-}
-
-/// A recorder lent to the driver.
-struct Borrowed<'a>(&'a mut dyn RouteRecorder);
-
-impl Recorder for Borrowed<'_> {
-    fn observe(&mut self, moment: &mut Moment) {
-        self.0.observe(moment);
-    }
-}
-
-/// Follows the kinetic temperature of every run.
-struct Thermometer {
-    interval: u64,
-    series: Blocking,
-}
-
-impl Thermometer {
-    fn new(interval: u64) -> Result<Self, RouteError> {
-        Ok(Self { interval, series: Blocking::new(1)? })
-    }
-
-    fn mean(&self) -> Option<f64> {
-        self.series.mean().map(|mean| mean[0]).filter(|mean| mean.is_finite())
-    }
-}
-
-impl Recorder for &mut Thermometer {
-    fn observe(&mut self, moment: &mut Moment) {
-        if moment.step % self.interval == 0 {
-            // A temperature that is no number shows elsewhere; here it is only left out.
-            let _ = self.series.record(&[moment.simulation.system.kinetic_temperature()]);
-        }
-    }
 }

@@ -4,9 +4,12 @@
 //! of all routes, sweep points and replicas and does them side by side on the cores; [`report`] shows what came out.
 
 pub mod answer;
+pub mod command;
 pub mod figure;
 pub mod job;
 pub mod plan;
 pub mod progress;
 pub mod report;
 pub mod route;
+mod setup;
+pub mod store;

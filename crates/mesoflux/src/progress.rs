@@ -37,6 +37,11 @@ impl Progress {
         }
     }
 
+    /// Steps that an earlier session did.
+    pub fn skip(&self, steps: u64) {
+        self.steps.fetch_add(steps, Ordering::Relaxed);
+    }
+
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

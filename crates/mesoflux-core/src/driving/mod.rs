@@ -10,6 +10,7 @@ use crate::forcing::ForcingError;
 use crate::integrate::FluxChange;
 use crate::system::System;
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// A way to drive a system out of equilibrium.
 pub trait Driving: std::fmt::Debug + Send + Sync {
@@ -42,7 +43,7 @@ pub trait Driving: std::fmt::Debug + Send + Sync {
 }
 
 /// Flux and forcing of one step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct DrivenStep {
     /// R = G·p at the end of the step.
     pub flux: f64,

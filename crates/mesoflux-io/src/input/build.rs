@@ -111,27 +111,35 @@ impl Input {
         (time / self.dynamics.time_step).round() as u64
     }
 
-    /// The input with everything it left open filled in.
+    /// The input with everything it left open filled in; what the points of a sweep may each decide otherwise stays open.
     #[must_use]
     pub fn with_defaults(&self) -> Self {
         let mut input = self.clone();
-        input.system.particles = Some(self.particles());
-        input.system.sides = Some(self.sides());
-        input.system.density = Some(self.particles() as f64 / self.sides().iter().product::<f64>());
         input.species = self.species().into_iter().collect();
-        for (species, count) in input.species.values_mut().zip(self.species_counts()) {
-            species.particles = Some(count as u64);
-        }
         if input.dynamics.velocity_verlet.is_none() {
             input.dynamics.word = Some(self.dynamics.word().to_owned());
         }
-        input.run.skin = Some(self.skin());
         for measure in input.measure.values_mut() {
             measure.routes = measure.quantity.default_routes(&measure.routes);
-            if let Some(msd) = &mut measure.routes.msd {
-                msd.longest_lag = Some(msd.longest_lag(self.run.production_time));
-            }
+        }
+        if self.sweep.is_empty() {
+            input.derive();
         }
         input
+    }
+
+    /// Fills in what follows from other numbers.
+    fn derive(&mut self) {
+        let (particles, sides, counts, skin) = (self.particles(), self.sides(), self.species_counts(), self.skin());
+        self.system.particles = Some(particles);
+        self.system.sides = Some(sides);
+        self.system.density = Some(particles as f64 / sides.iter().product::<f64>());
+        for (species, count) in self.species.values_mut().zip(counts) {
+            species.particles = Some(count as u64);
+        }
+        self.run.skin = Some(skin);
+        for msd in self.measure.values_mut().filter_map(|measure| measure.routes.msd.as_mut()) {
+            msd.longest_lag = Some(msd.longest_lag(self.run.production_time));
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! Values that may be written in two ways: a law or "none", one number or several.
+//! Values that need a reader of their own: a law or "none", one number or several, the three sides of a box.
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
@@ -23,8 +23,13 @@ pub(super) fn deserialize<'de, L: Deserialize<'de>, D: Deserializer<'de>>(
             if word == "none" { Ok(None) } else { Err(E::invalid_value(serde::de::Unexpected::Str(word), &self)) }
         }
 
-        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-            L::deserialize(MapAccessDeserializer::new(map)).map(Some)
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let law = L::deserialize(MapAccessDeserializer::new(&mut map))?;
+            // An enum takes the first key and would leave a second law unread.
+            match map.next_key::<IgnoredAny>()? {
+                None => Ok(Some(law)),
+                Some(_) => Err(A::Error::custom("wanted exactly 1 element, more than 1 element")),
+            }
         }
     }
 
@@ -80,4 +85,12 @@ impl<'de> Deserialize<'de> for Magnitudes {
 
         input.deserialize_any(OneOrSeveral)
     }
+}
+
+/// Reads three numbers, no more and no fewer.
+pub(super) fn three<'de, D: Deserializer<'de>>(input: D) -> Result<Option<[f64; 3]>, D::Error> {
+    let numbers = Vec::<f64>::deserialize(input)?;
+    <[f64; 3]>::try_from(numbers)
+        .map(Some)
+        .map_err(|numbers| D::Error::invalid_length(numbers.len(), &"three numbers, one for each side"))
 }

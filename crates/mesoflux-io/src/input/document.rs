@@ -1,18 +1,19 @@
 //! Reading an input file, with settings from the command line written into it before it is read.
 
-use super::diagnostic::{nearest_known, render};
+use super::diagnostic::Fault;
 use super::validate::Invalid;
+use super::wording::explain;
 use super::{Input, Sweep};
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
-use toml_edit::{DocumentMut, Item, TableLike};
+use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
 /// An input that can't be used.
 #[derive(Debug, thiserror::Error)]
 pub enum InputError {
     /// The file can't be read.
-    #[error("{name}: {source}")]
+    #[error("error: {name}: can't be read: {source}")]
     Read {
         /// The file.
         name: String,
@@ -58,13 +59,19 @@ pub struct InputFile {
 }
 
 impl InputFile {
+    /// The text, with the settings written into it.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Reads a file and applies settings to it.
     ///
     /// # Errors
     /// A file that can't be read; a text that is wrong, with place, value and requirement.
     pub fn read(path: &Path, settings: &[Setting]) -> Result<Self, InputError> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| InputError::Read { name: name.clone(), source })?;
+        let bytes = std::fs::read(path).map_err(|source| InputError::Read { name: name.clone(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| no_text(&name, &error))?;
         Self::parse(&name, &text, settings)
     }
 
@@ -73,7 +80,9 @@ impl InputFile {
     /// # Errors
     /// A text that is wrong, with place, value and requirement.
     pub fn parse(name: &str, text: &str, settings: &[Setting]) -> Result<Self, InputError> {
-        let mut file = Self::parse_one(name, text, settings)?;
+        let mut file = Self::parse_one(name, text, settings, |setting, reason| {
+            InputError::Wrong(format!("error: --set {}={}: {reason}", setting.path, setting.value))
+        })?;
         file.sweep = Sweep::of(&file.input).map_err(|invalid| file.fault(&invalid))?;
         // Every point must be right before the first one runs.
         for point in &file.sweep.points {
@@ -90,9 +99,11 @@ impl InputFile {
         if point.settings.is_empty() {
             return Ok(self.input.clone());
         }
-        let mut settings = point.settings.clone();
-        settings.push(Setting { path: "sweep".into(), value: "{}".into() });
-        Ok(Self::parse_one(&self.name, &self.text, &settings)?.input)
+        let misplaced =
+            |setting: &Setting, reason| self.fault(&Invalid::new(format!("sweep.{}", setting.path), "", reason));
+        let mut input = Self::parse_one(&self.name, &self.text, &point.settings, misplaced)?.input;
+        input.sweep.clear();
+        Ok(input)
     }
 
     /// A fault found by those who use the input, shown where the input says it.
@@ -100,20 +111,38 @@ impl InputFile {
         fault(&self.name, &self.text, invalid)
     }
 
-    fn parse_one(name: &str, text: &str, settings: &[Setting]) -> Result<Self, InputError> {
-        let (name, text) = apply(name, text, settings)?;
-        let input: Input = toml::from_str(&text).map_err(|error| {
-            let help = nearest_known(error.message()).map(|known| format!("did you mean `{known}`?"));
-            InputError::Wrong(render(&name, &text, error.span(), error.message(), help.as_deref()))
-        })?;
+    /// Reads a text with settings; `misplaced` words what is said of one that can't be written into it.
+    fn parse_one(
+        name: &str,
+        text: &str,
+        settings: &[Setting],
+        misplaced: impl Fn(&Setting, String) -> InputError,
+    ) -> Result<Self, InputError> {
+        let (name, text) = apply(name, text, settings, misplaced)?;
+        let input: Input =
+            toml::from_str(&text).map_err(|error| unreadable(&name, &text, error.span(), error.message()))?;
         input.validate().map_err(|invalid| fault(&name, &text, &invalid))?;
         Ok(Self { name, text, input, sweep: Sweep::default() })
     }
 }
 
+/// A text that the reader refuses.
+fn unreadable(name: &str, text: &str, span: Option<Range<usize>>, message: &str) -> InputError {
+    InputError::Wrong(explain(text, span, message).render(name, text))
+}
+
+/// A file that holds no text.
+fn no_text(name: &str, error: &std::string::FromUtf8Error) -> InputError {
+    let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+    let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+    let byte = error.as_bytes()[valid.len()];
+    InputError::Wrong(format!("error: {name}: line {line} holds the byte {byte:#04x}: must be text in UTF-8"))
+}
+
 fn fault(name: &str, text: &str, invalid: &Invalid) -> InputError {
-    let span = locate(text, &invalid.path);
-    InputError::Wrong(render(name, text, span, &invalid.to_string(), invalid.help.as_deref()))
+    let fault =
+        Fault { span: locate(text, &invalid.path), message: invalid.to_string(), help: invalid.help.clone() };
+    InputError::Wrong(fault.render(name, text))
 }
 
 /// Where the value of a dotted path stands in a text; of the longest part of the path that is there at all.
@@ -139,19 +168,21 @@ fn locate(text: &str, path: &str) -> Option<Range<usize>> {
 }
 
 /// Writes settings into a text; its name then tells that the text is not the file's alone.
-fn apply(name: &str, text: &str, settings: &[Setting]) -> Result<(String, String), InputError> {
+fn apply(
+    name: &str,
+    text: &str,
+    settings: &[Setting],
+    misplaced: impl Fn(&Setting, String) -> InputError,
+) -> Result<(String, String), InputError> {
     if settings.is_empty() {
         return Ok((name.to_owned(), text.to_owned()));
     }
-    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        InputError::Wrong(render(name, text, error.span(), error.message(), None))
-    })?;
+    let mut document: DocumentMut =
+        text.parse().map_err(|error: TomlError| unreadable(name, text, error.span(), error.message()))?;
     for setting in settings {
         let value: toml_edit::Value =
             setting.value.parse().unwrap_or_else(|_| toml_edit::Value::from(setting.value.as_str()));
-        set(document.as_table_mut(), &setting.path, value).map_err(|reason| {
-            InputError::Wrong(format!("error: --set {}={}: {reason}", setting.path, setting.value))
-        })?;
+        set(document.as_table_mut(), &setting.path, value).map_err(|reason| misplaced(setting, reason))?;
     }
     let set: Vec<String> = settings.iter().map(|setting| format!("{}={}", setting.path, setting.value)).collect();
     Ok((format!("{name} with {}", set.join(", ")), document.to_string()))

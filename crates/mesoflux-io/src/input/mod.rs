@@ -7,6 +7,7 @@ mod document;
 mod routes;
 mod sweep;
 mod validate;
+mod wording;
 
 pub use choice::Magnitudes;
 pub use document::{InputError, InputFile, Setting};
@@ -48,7 +49,8 @@ pub struct Input {
     pub sweep: toml::Table,
 }
 
-/// `[system]`: two of particles, density and box decide the third; with the box left out it is a cube.
+/// `[system]`: two of particles, density and box decide the third (all three must fit together); with the box left out it is
+/// a cube.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SystemInput {
@@ -59,7 +61,7 @@ pub struct SystemInput {
     #[serde(default)]
     pub density: Option<f64>,
     /// The sides of the box.
-    #[serde(default, rename = "box")]
+    #[serde(default, rename = "box", deserialize_with = "choice::three")]
     pub sides: Option<[f64; 3]>,
     /// Where the particles start.
     #[serde(default)]
@@ -165,6 +167,12 @@ pub struct RunInput {
     /// How far the neighbor list sees beyond the largest cutoff; derived from time step and box if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub skin: Option<f64>,
+    /// Steps between two checkpoints of a run, beside those by wall time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checkpoint_interval: Option<u64>,
+    /// Wall time between two checkpoints of a run, in seconds.
+    #[serde(default = "RunInput::default_checkpoint_wall_seconds")]
+    pub checkpoint_wall_seconds: f64,
     /// Steps between two samples of quantities that cost a pass over the pairs.
     #[serde(default = "RunInput::default_sample_interval")]
     pub sample_interval: u64,
@@ -177,6 +185,10 @@ impl RunInput {
 
     fn default_replicas() -> u64 {
         1
+    }
+
+    fn default_checkpoint_wall_seconds() -> f64 {
+        300.0
     }
 
     fn default_sample_interval() -> u64 {

@@ -4,6 +4,9 @@ use super::document::Setting;
 use super::{Input, Invalid};
 use std::collections::BTreeMap;
 
+/// The most points a sweep may have: more is a slip of the pen.
+const MOST_POINTS: f64 = 10_000.0;
+
 /// One combination of values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Point {
@@ -31,6 +34,10 @@ impl Sweep {
     pub(super) fn of(input: &Input) -> Result<Self, Invalid> {
         let mut axes = Vec::new();
         collect("", &input.sweep, &mut axes)?;
+        let count: f64 = axes.iter().map(|(_, values)| values.len() as f64).product();
+        if count > MOST_POINTS {
+            return Err(Invalid::new("sweep", "", format!("has {count} points: must be at most {MOST_POINTS}")));
+        }
         let mut points = vec![Point::default()];
         for (path, values) in axes {
             points = points
@@ -55,7 +62,12 @@ fn collect(prefix: &str, table: &toml::Table, axes: &mut Vec<(String, Vec<toml::
         let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
         match value {
             toml::Value::Table(inner) => collect(&path, inner, axes)?,
-            toml::Value::Array(values) if !values.is_empty() => axes.push((path, values.clone())),
+            toml::Value::Array(values) if !values.is_empty() => {
+                if let Some(again) = (1..values.len()).find(|&index| values[..index].contains(&values[index])) {
+                    return Err(Invalid::new(format!("sweep.{path}.{again}"), &values[again], "must not be given twice"));
+                }
+                axes.push((path, values.clone()));
+            }
             other => {
                 return Err(Invalid::new(format!("sweep.{path}"), other, "must be an array of the values to try"));
             }

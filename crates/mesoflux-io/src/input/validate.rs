@@ -1,6 +1,8 @@
 //! What an input must fulfil beyond its form; each fault with the path, the value and the requirement.
 
+use super::wording::one_of;
 use super::{Input, MeasureInput, Quantity, RoutesInput};
+use mesoflux_core::integrate::Thermostat;
 use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
 use mesoflux_core::potential::Requirement;
 use std::fmt::Display;
@@ -40,7 +42,23 @@ impl Display for Invalid {
 }
 
 fn number(path: &str, value: f64, requirement: Requirement) -> Result<(), Invalid> {
-    if requirement.holds(value) { Ok(()) } else { Err(Invalid::new(path, value, requirement)) }
+    if requirement.holds(value) { Ok(()) } else { Err(Invalid::new(path, written(value), requirement)) }
+}
+
+/// A number as an input file writes it: `-1.0`, `1e30`, `nan`.
+fn written(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e7 { format!("{value:e}") } else { format!("{value:?}").to_lowercase() }
+}
+
+/// A number to six digits, for reading.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// A bound to six digits that is not below the exact one, but for the rounding of the last bits.
+fn rounded_up(value: f64) -> f64 {
+    let up = rounded(value);
+    if up < value * (1.0 - 1e-12) { rounded(value * (1.0 + 5e-6)) } else { up }
 }
 
 /// The most particles a system may have: places in a list are 32-bit numbers.
@@ -90,31 +108,39 @@ impl Input {
         for (axis, &side) in system.sides.iter().flatten().enumerate() {
             number(&format!("system.box.{axis}"), side, Requirement::Positive)?;
         }
-        let counted: u64 = self.species.values().filter_map(|species| species.particles).sum();
-        match (system.particles, counted) {
-            (Some(particles), counted) if counted > 0 && particles != counted => {
-                let requirement = format!("must be the sum of the species' particles, {counted}");
-                return Err(Invalid::new("system.particles", particles, requirement));
+        for (name, species) in &self.species {
+            if species.particles.is_some_and(|particles| particles > MOST_PARTICLES) {
+                let path = format!("species.{name}.particles");
+                let requirement = format!("must be at most {MOST_PARTICLES}");
+                return Err(Invalid::new(path, species.particles.unwrap_or(0), requirement));
             }
-            _ => {}
+        }
+        let counted: u64 = self.species.values().filter_map(|species| species.particles).sum();
+        if let Some(particles) = system.particles.filter(|&particles| counted > 0 && particles != counted) {
+            let requirement = format!("must be the sum of the species' particles, {counted}");
+            return Err(Invalid::new("system.particles", particles, requirement));
         }
         let known = [self.system.particles.is_some() || counted > 0, system.density.is_some(), system.sides.is_some()];
-        match known.iter().filter(|&&known| known).count() {
-            0 | 1 => {
-                return Err(Invalid::new("system", "", "must give two of particles, density and box"));
-            }
-            3 => {
-                return Err(Invalid::new(
-                    "system.density",
-                    system.density.unwrap_or(f64::NAN),
-                    "must be left out where particles and box are given: they decide it",
-                ));
-            }
-            _ => {}
+        if known.iter().filter(|&&known| known).count() < 2 {
+            return Err(Invalid::new("system", "", "must give two of particles, density and box"));
         }
         let particles = self.particles();
-        if !(2..=MOST_PARTICLES).contains(&particles) {
-            return Err(Invalid::new("system.particles", particles, format!("must be between 2 and {MOST_PARTICLES}")));
+        let requirement = format!("must be from 2 to {MOST_PARTICLES}");
+        match system.particles {
+            _ if (2..=MOST_PARTICLES).contains(&particles) => {}
+            Some(particles) => return Err(Invalid::new("system.particles", particles, requirement)),
+            None => return Err(Invalid::new("system", "", format!("density and box give {particles} particles: {requirement}"))),
+        }
+        match (system.density, system.sides) {
+            (Some(density), Some(sides)) if known[0] => {
+                let decided = particles as f64 / sides.iter().product::<f64>();
+                if (density - decided).abs() > 1e-9 * decided {
+                    let requirement =
+                        format!("must be left out: particles and box decide the density, {}", rounded(decided));
+                    return Err(Invalid::new("system.density", written(density), requirement));
+                }
+            }
+            _ => {}
         }
         Ok(())
     }
@@ -131,11 +157,15 @@ impl Input {
                             return Err(Invalid::new(path, "", format!("must be given once, here or as pair.{b}-{a}")));
                         }
                     }
+                    _ if self.species.is_empty() => {
+                        let requirement = "must be \"all\" where no species are named; name them in [species.NAME]";
+                        return Err(Invalid::new(path, "", requirement));
+                    }
                     _ => {
                         let names: Vec<&str> = species.iter().map(|(name, _)| name.as_str()).collect();
                         let pairs = names.iter().flat_map(|a| names.iter().map(move |b| format!("{a}-{b}")));
                         let known: Vec<String> = pairs.chain(["all".to_owned()]).collect();
-                        let nearest = super::diagnostic::nearest(name, known.iter().map(String::as_str));
+                        let nearest = super::diagnostic::nearest(name, &known);
                         let requirement =
                             format!("must be \"all\" or two species joined by '-', of {}", names.join(", "));
                         return Err(Invalid::new(path, "", requirement)
@@ -164,22 +194,30 @@ impl Input {
         let without_friction = self.interactions().frictions.entries().iter().all(Option::is_none);
         match (&dynamics.velocity_verlet, &dynamics.word) {
             (Some(_), Some(word)) => {
-                return Err(Invalid::new("dynamics.word", word, "must be left out where velocity_verlet is given"));
+                let requirement = "must be left out where velocity_verlet is given";
+                return Err(Invalid::new("dynamics.word", format!("{word:?}"), requirement));
             }
             (Some(scheme), None) => {
                 if !(0.0..=1.0).contains(&scheme.lambda) {
                     return Err(Invalid::new(
                         "dynamics.velocity_verlet.lambda",
-                        scheme.lambda,
-                        "must be between 0 and 1",
+                        written(scheme.lambda),
+                        "must be from 0 to 1",
                     ));
                 }
             }
             (None, _) => {
-                if without_friction && dynamics.thermostat != mesoflux_core::integrate::Thermostat::None {
+                if dynamics.word.is_none() && dynamics.thermostat == Thermostat::None {
                     return Err(Invalid::new(
                         "dynamics.thermostat",
-                        "pair_ornstein_uhlenbeck",
+                        "\"none\"",
+                        "needs a word without the letter O, e.g. word = \"BAB\" for constant energy",
+                    ));
+                }
+                if without_friction && dynamics.thermostat != Thermostat::None {
+                    return Err(Invalid::new(
+                        "dynamics.thermostat",
+                        "\"pair_ornstein_uhlenbeck\"",
                         "needs a friction between some pair: give pair.all.friction, or thermostat = \"none\" with a word such as \"BAB\" for constant energy",
                     ));
                 }
@@ -196,37 +234,55 @@ impl Input {
         number("run.production_time", run.production_time, Requirement::Positive)?;
         if self.steps(run.production_time) == 0 {
             let requirement = format!("must be at least one time step, {}", self.dynamics.time_step);
-            return Err(Invalid::new("run.production_time", run.production_time, requirement));
+            return Err(Invalid::new("run.production_time", written(run.production_time), requirement));
         }
         for (path, time) in
             [("run.equilibration_time", run.equilibration_time), ("run.production_time", run.production_time)]
         {
             if time / self.dynamics.time_step > 2f64.powi(47) {
-                return Err(Invalid::new(path, time, "must be at most 2^47 time steps"));
+                let most = rounded(2f64.powi(47) * self.dynamics.time_step);
+                return Err(Invalid::new(path, written(time), format!("must be at most 2^47 time steps, {most:e}")));
             }
         }
-        for (path, value) in [("run.replicas", run.replicas), ("run.sample_interval", run.sample_interval)] {
-            if value == 0 {
+        number("run.checkpoint_wall_seconds", run.checkpoint_wall_seconds, Requirement::Positive)?;
+        let counts = [("run.replicas", Some(run.replicas)), ("run.sample_interval", Some(run.sample_interval))];
+        for (path, value) in counts.into_iter().chain([("run.checkpoint_interval", run.checkpoint_interval)]) {
+            if let Some(value @ 0) = value {
                 return Err(Invalid::new(path, value, "must be at least 1"));
             }
         }
         if let Some(skin) = run.skin {
             number("run.skin", skin, Requirement::Positive)?;
         }
-        let region = self
-            .region()
-            .map_err(|error| Invalid::new("system.density", self.system.density.unwrap_or(f64::NAN), error))?;
+        self.validate_box()
+    }
+
+    /// No pair may meet in two images.
+    fn validate_box(&self) -> Result<(), Invalid> {
+        let region = self.region().map_err(|error| Invalid::new("system", "", error))?;
         let (cutoff, skin, side) = (self.interactions().cutoff(), self.skin(), region.shortest_side());
         let smallest = 2.0 * (cutoff + skin);
-        if side < smallest {
-            let path = if self.system.sides.is_some() { "system.box" } else { "system" };
-            let requirement = format!(
-                "the shortest side of the box is {side}, must be at least {smallest}: twice the list radius \
-                 (largest cutoff {cutoff} plus skin {skin}), so that no pair meets in two images"
-            );
-            return Err(Invalid::new(path, "", requirement));
+        if side >= smallest {
+            return Ok(());
         }
-        Ok(())
+        let reason = format!("twice the list radius (largest cutoff {cutoff} plus skin {})", rounded(skin));
+        if self.run.skin.is_some() && side >= 2.1 * cutoff {
+            let room = rounded(0.5 * side - cutoff);
+            let requirement = format!("must be below {room}, or the box of side {} is narrower than {reason}", rounded(side));
+            return Err(Invalid::new("run.skin", written(skin), requirement));
+        }
+        let requirement = format!(
+            "the shortest side of the box is {}, must be at least {}: {reason}, so that no pair meets in two images",
+            rounded(side),
+            rounded_up(smallest)
+        );
+        if self.system.sides.is_some() {
+            return Err(Invalid::new("system.box", "", requirement));
+        }
+        let density = self.system.density.unwrap_or(f64::NAN);
+        let particles = (density * smallest.powi(3)).ceil();
+        let help = format!("at density {density} that takes at least {particles} particles");
+        Err(Invalid::new("system", "", requirement).helped(Some(help)))
     }
 
     fn validate_measure(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
@@ -234,11 +290,12 @@ impl Input {
         let given = routes.names();
         let allowed = measure.quantity.routes();
         if given.is_empty() {
-            return Err(Invalid::new(path, "", format!("must name at least one of the routes {}", allowed.join(", "))));
+            return Err(Invalid::new(path, "", format!("must name at least one route, of {}", allowed.join(", "))));
         }
         for route in &given {
             if !allowed.contains(route) {
-                let requirement = format!("is no way to this quantity: must be one of {}", allowed.join(", "));
+                let quantity = measure.quantity.name();
+                let requirement = format!("does not lead to {quantity}: must be {}", one_of(allowed));
                 return Err(Invalid::new(format!("{path}.routes.{route}"), "", requirement));
             }
         }
@@ -255,7 +312,7 @@ impl Input {
             if lag > self.run.production_time {
                 return Err(Invalid::new(
                     format!("{path}.routes.msd.longest_lag"),
-                    lag,
+                    written(lag),
                     format!("must be at most the production time, {}", self.run.production_time),
                 ));
             }
@@ -290,10 +347,10 @@ impl Input {
             for (index, &value) in values.0.iter().enumerate() {
                 let place = if values.0.len() > 1 { format!("{path}.{key}.{index}") } else { format!("{path}.{key}") };
                 if !value.is_finite() || value == 0.0 {
-                    return Err(Invalid::new(place, value, "must be finite and not zero"));
+                    return Err(Invalid::new(place, written(value), "must be finite and not zero"));
                 }
                 if values.0[..index].contains(&value) {
-                    return Err(Invalid::new(place, value, "must not be given twice"));
+                    return Err(Invalid::new(place, written(value), "must not be given twice"));
                 }
             }
         }

@@ -2,14 +2,14 @@
 
 use super::{Outcome, Record, Route, RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, Blocking};
-use mesoflux_core::observable::Thermodynamics;
 use mesoflux_core::run::{Moment, Recorder};
+use mesoflux_core::system::System;
 use mesoflux_io::input::Input;
 
-/// The time average of what `read` takes from the thermodynamic state.
+/// The time average of what `read` takes from the system.
 pub(super) struct Average {
     pub method: &'static str,
-    pub read: fn(&Thermodynamics) -> f64,
+    pub read: fn(&mut System) -> f64,
 }
 
 impl Route for Average {
@@ -19,7 +19,7 @@ impl Route for Average {
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
         let read = self.read;
-        StateRecorder::boxed(input, 1, move |state| vec![read(state)])
+        StateRecorder::boxed(input, 1, move |system| vec![read(system)])
     }
 
     fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
@@ -27,31 +27,40 @@ impl Route for Average {
     }
 }
 
-/// Records a vector read from the thermodynamic state at every sample.
-pub(super) struct StateRecorder<F> {
+/// Records a vector read from the system at every sample.
+pub(crate) struct StateRecorder<F> {
     interval: u64,
     read: F,
     series: Blocking,
     failure: Option<AnalysisError>,
 }
 
-impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send + 'static> StateRecorder<F> {
-    pub(super) fn boxed(input: &Input, components: usize, read: F) -> Result<Box<dyn RouteRecorder>, RouteError> {
+impl<F: Fn(&mut System) -> Vec<f64> + Send + 'static> StateRecorder<F> {
+    pub(crate) fn boxed(input: &Input, components: usize, read: F) -> Result<Box<dyn RouteRecorder>, RouteError> {
         let series = Blocking::new(components)?;
         Ok(Box::new(Self { interval: input.run.sample_interval, read, series, failure: None }))
     }
 }
 
-impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send> Recorder for StateRecorder<F> {
+impl<F: Fn(&mut System) -> Vec<f64> + Send> Recorder for StateRecorder<F> {
     fn observe(&mut self, moment: &mut Moment) {
         if moment.step % self.interval == 0 {
-            let state = Thermodynamics::of(&mut moment.simulation.system);
-            self.failure = self.failure.take().or(self.series.record(&(self.read)(&state)).err());
+            let sample = (self.read)(&mut moment.simulation.system);
+            self.failure = self.failure.take().or(self.series.record(&sample).err());
         }
     }
 }
 
-impl<F: Fn(&Thermodynamics) -> Vec<f64> + Send> RouteRecorder for StateRecorder<F> {
+impl<F: Fn(&mut System) -> Vec<f64> + Send> RouteRecorder for StateRecorder<F> {
+    fn save(&self) -> Result<Vec<u8>, RouteError> {
+        Ok(postcard::to_stdvec(&(self.interval, &self.series))?)
+    }
+
+    fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
+        (self.interval, self.series) = postcard::from_bytes(state)?;
+        Ok(())
+    }
+
     fn finish(self: Box<Self>) -> Result<Record, RouteError> {
         match self.failure {
             Some(failure) => Err(failure.into()),

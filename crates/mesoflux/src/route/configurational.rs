@@ -2,6 +2,7 @@
 
 use super::average::StateRecorder;
 use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use mesoflux_core::observable::Thermodynamics;
 use mesoflux_io::input::Input;
 
 /// The ratio of two averages, its error by the delta method on the joint series.
@@ -13,7 +14,10 @@ impl Route for Configurational {
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
-        StateRecorder::boxed(input, 2, |state| vec![state.force_squared, state.laplacian])
+        StateRecorder::boxed(input, 2, |system| {
+            let state = Thermodynamics::of(system);
+            vec![state.force_squared, state.laplacian]
+        })
     }
 
     fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {

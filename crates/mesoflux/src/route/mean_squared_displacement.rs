@@ -79,6 +79,15 @@ impl Recorder for DisplacementRecorder {
 }
 
 impl RouteRecorder for DisplacementRecorder {
+    fn save(&self) -> Result<Vec<u8>, RouteError> {
+        Ok(postcard::to_stdvec(&(self.interval, &self.displacement))?)
+    }
+
+    fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
+        (self.interval, self.displacement) = postcard::from_bytes(state)?;
+        Ok(())
+    }
+
     fn finish(self: Box<Self>) -> Result<Record, RouteError> {
         match self.failure {
             Some(failure) => Err(failure.into()),

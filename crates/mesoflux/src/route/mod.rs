@@ -11,7 +11,8 @@ pub use record::{DrivenRecorder, Record};
 
 use mesoflux_analysis::{AnalysisError, Estimate};
 use mesoflux_core::forcing::ForcingKind;
-use mesoflux_core::run::Recorder;
+use mesoflux_core::observable::Thermodynamics;
+use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::{Input, MeasureInput, Quantity};
 use mesoflux_io::results::Conditions;
 
@@ -73,6 +74,9 @@ pub enum RouteError {
     /// The estimator refused.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// A recorder's state that can't be written or read.
+    #[error("the state of a recorder: {0}")]
+    State(#[from] postcard::Error),
     /// A record of another kind than the route's own.
     #[error("the record of a run is not of the kind that the route takes")]
     WrongRecord,
@@ -107,10 +111,31 @@ impl Outcome {
     }
 }
 
-/// A recorder that can be turned into its record.
+/// A recorder that can be kept in a checkpoint and turned into its record.
 pub trait RouteRecorder: Recorder {
-    /// What was recorded.
+    /// Everything it holds.
+    ///
+    /// # Errors
+    /// None that can be met.
+    fn save(&self) -> Result<Vec<u8>, RouteError>;
+
+    /// Takes over what `save` gave.
+    ///
+    /// # Errors
+    /// Bytes that are no such state.
+    fn load(&mut self, state: &[u8]) -> Result<(), RouteError>;
+
+    /// What was recorded so far.
+    ///
+    /// # Errors
+    /// A sample that was refused.
     fn finish(self: Box<Self>) -> Result<Record, RouteError>;
+}
+
+impl Recorder for Box<dyn RouteRecorder> {
+    fn observe(&mut self, moment: &mut Moment) {
+        self.as_mut().observe(moment);
+    }
 }
 
 /// A way from runs to a quantity.
@@ -136,18 +161,30 @@ pub trait Route: Send + Sync {
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError>;
 }
 
+/// A recorder of the kinetic temperature, which every run has.
+///
+/// # Errors
+/// None that can be met.
+pub fn thermometer(input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
+    average::StateRecorder::boxed(input, 1, |system| vec![system.kinetic_temperature()])
+}
+
 /// The routes that a measurement asks for.
 pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
     let asked = measure.quantity.default_routes(&measure.routes);
     let mut routes: Vec<Box<dyn Route>> = Vec::new();
     if asked.kinetic.is_some() {
-        routes.push(Box::new(average::Average { method: "kinetic", read: |state| state.kinetic_temperature }));
+        routes.push(Box::new(average::Average { method: "kinetic", read: |system| system.kinetic_temperature() }));
     }
     if asked.virial.is_some() {
-        routes.push(Box::new(average::Average { method: "virial", read: |state| state.pressure }));
+        routes
+            .push(Box::new(average::Average { method: "virial", read: |system| Thermodynamics::of(system).pressure }));
     }
     if asked.direct.is_some() {
-        routes.push(Box::new(average::Average { method: "direct", read: |state| state.potential_energy }));
+        routes.push(Box::new(average::Average {
+            method: "direct",
+            read: |system| Thermodynamics::of(system).potential_energy,
+        }));
     }
     if asked.configurational.is_some() {
         routes.push(Box::new(configurational::Configurational));

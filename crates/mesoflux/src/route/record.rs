@@ -90,6 +90,15 @@ impl Recorder for DrivenRecorder {
 }
 
 impl RouteRecorder for DrivenRecorder {
+    fn save(&self) -> Result<Vec<u8>, RouteError> {
+        Ok(postcard::to_stdvec(&(self.interval, self.sum, &self.series))?)
+    }
+
+    fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
+        (self.interval, self.sum, self.series) = postcard::from_bytes(state)?;
+        Ok(())
+    }
+
     fn finish(self: Box<Self>) -> Result<Record, RouteError> {
         match self.failure {
             Some(failure) => Err(failure.into()),

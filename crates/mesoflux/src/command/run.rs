@@ -1,0 +1,47 @@
+//! `mesoflux run INPUT.toml`.
+
+use super::session::{Failure, INPUT, Options, RESULTS, STATES, perform_in};
+use clap::Args;
+use mesoflux_io::directory::OutputDirectory;
+use mesoflux_io::input::{InputFile, Setting};
+use std::path::PathBuf;
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The input file
+    #[arg(value_name = "INPUT.toml")]
+    input: PathBuf,
+    /// Directory for the results [default: a new one named after the input]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the run in the directory of --out
+    #[arg(long, requires = "out")]
+    force: bool,
+    /// Seed of all noise, in place of run.seed
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Set a key of the input, e.g. --set pair.all.friction.linear.coefficient=40.5; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    settings: Vec<Setting>,
+    #[command(flatten)]
+    options: Options,
+}
+
+pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
+    let mut settings = arguments.settings;
+    settings.extend(arguments.seed.map(|seed| Setting { path: "run.seed".into(), value: seed.to_string() }));
+    let file = InputFile::read(&arguments.input, &settings)?;
+    let directory = match &arguments.out {
+        Some(wanted) => {
+            let directory = OutputDirectory::explicit(wanted, arguments.force)?;
+            // What an earlier run left here must not be taken for this one's.
+            directory.remove(STATES)?;
+            directory.remove(RESULTS)?;
+            directory
+        }
+        None => OutputDirectory::named_after(&arguments.input)?,
+    };
+    directory.write(INPUT, file.text().as_bytes())?;
+    perform_in(&directory, &file, &arguments.options)
+}
