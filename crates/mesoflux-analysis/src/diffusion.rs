@@ -14,6 +14,8 @@ const ORIGINS_PER_LAG: u64 = 4;
 const CANDIDATES: usize = 24;
 /// Confidence with which the slopes of the two parts of a window must differ to refuse it.
 const CONFIDENCE: f64 = 0.95;
+/// A change of slope that is still seen in the last window is taken into the error up to this share of the slope.
+const TOLERABLE_CURVATURE: f64 = 0.1;
 /// The fit begins at this multiple of the first time from which the curve looks straight.
 const MARGIN: usize = 2;
 
@@ -39,6 +41,9 @@ impl MeanSquaredDisplacement {
     /// the last. The fit begins at *twice* the smallest candidate that is straight together with all
     /// later ones: curvature too weak to be seen biases the slope, and twice the time squares an exponential remainder.
     ///
+    /// If even the last candidate isn't straight but its slope changes by less than a tenth, as where a long-time tail decays
+    /// slowly, the fit uses that window, the whole change of slope is added to the error in quadrature, and a warning says so.
+    ///
     /// **Error.** From blocking the slope itself, so correlations of overlapping origins and between lags are
     /// in it; the choice of the window isn't: over series of 50 to 250 times the longest time difference, the z-scores of
     /// Langevin particles have a mean square of 1.1 to 1.5. Equal weights are used although, for Brownian motion, the
@@ -49,14 +54,15 @@ impl MeanSquaredDisplacement {
     ///
     /// The system's finite size (hydrodynamic images) isn't corrected.
     pub fn diffusion_coefficient(&self) -> DiffusionEstimate {
-        match self.first_lag() {
-            Ok(first) => self.fit(first),
+        match self.window() {
+            Ok((first, None)) => self.fit(first),
+            Ok((first, Some(curvature))) => self.fit_curved(first, curvature),
             Err(warning) => DiffusionEstimate { estimate: Estimate::unknown(warning), ..DiffusionEstimate::default() },
         }
     }
 
-    /// First lag of the window, or why there is none.
-    fn first_lag(&self) -> Result<usize, String> {
+    /// First lag of the window, and the change of D over it where it is seen and small; or why there is no window.
+    fn window(&self) -> Result<(usize, Option<f64>), String> {
         if self.lags() < FEWEST_LAGS {
             return Err(format!("cannot tell: {} lags are too few for a window, at least {FEWEST_LAGS}", self.lags()));
         }
@@ -67,10 +73,30 @@ impl MeanSquaredDisplacement {
         // After the margin the fit still spans a factor of two in time.
         let last = self.lags() / (2 * MARGIN);
         let straight = |&first: &usize| is_zero_within_error(&self.linear(&self.curvature_weights(first)));
-        let first = candidates(last).into_iter().rev().take_while(straight).last();
-        first.map(|first| MARGIN * first).ok_or_else(|| {
-            format!("cannot tell: the curve isn't straight from {} on; record longer time differences", self.time(last))
-        })
+        if let Some(first) = candidates(last).into_iter().rev().take_while(straight).last() {
+            return Ok((MARGIN * first, None));
+        }
+        let slope = self.linear(&self.line_weights(MARGIN * last, self.lags()).0).value;
+        let change = self.linear(&self.curvature_weights(last)).value;
+        match (slope, change) {
+            (Some(slope), Some(change)) if change.abs() < TOLERABLE_CURVATURE * slope.abs() => {
+                Ok((MARGIN * last, Some(change * 0.5 / DIMENSIONS)))
+            }
+            _ => Err(format!(
+                "cannot tell: the curve isn't straight from {} on; record longer time differences",
+                self.time(last)
+            )),
+        }
+    }
+
+    /// The fit in a window in which D is seen to change a little; the change becomes part of the error.
+    fn fit_curved(&self, first: usize, change: f64) -> DiffusionEstimate {
+        let mut fit = self.fit(first);
+        fit.estimate.standard_error = fit.estimate.standard_error.map(|error| error.hypot(change));
+        fit.estimate = fit.estimate.with_warning(format!(
+            "the curve isn't quite straight: D still changes by {change:.2e}, which is in the error; record longer time differences"
+        ));
+        fit
     }
 
     fn fit(&self, first: usize) -> DiffusionEstimate {

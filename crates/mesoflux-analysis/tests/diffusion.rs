@@ -96,6 +96,22 @@ fn confined_particles_do_not_diffuse() {
     assert!(warned >= 185, "{warned}");
 }
 
+/// Data so good that what is left of the ballistic motion shows even in the last window, where it is a few percent.
+#[test]
+fn a_small_change_of_slope_that_is_seen_is_part_of_the_error() {
+    let recorder = recorded_motion(Motion::Langevin { spacing: 0.15 }, 600, 40, 4000, &mut Random::new(1));
+    let diffusion = recorder.diffusion_coefficient();
+    assert!(
+        diffusion.estimate.warnings.iter().any(|warning| warning.contains("isn't quite straight")),
+        "{diffusion:?}"
+    );
+    let error = diffusion.estimate.standard_error.unwrap();
+    assert!((0.01..0.1).contains(&error), "{diffusion:?}");
+    assert!(diffusion.estimate.z_score_against(1.0, 0.0).unwrap().abs() < 2.0, "{diffusion:?}");
+    // The change over the window that was used is smaller than the one, over a longer window, that went into the error.
+    assert!(diffusion.curvature.value.unwrap().abs() < error);
+}
+
 #[test]
 fn free_flight_has_no_linear_window() {
     let recorder = recorded_motion(Motion::Ballistic, 20, 20, 1000, &mut Random::new(1));

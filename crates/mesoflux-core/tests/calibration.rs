@@ -16,7 +16,7 @@ fn short_run(seed: u64, run: u64) -> Blocking {
     let mut simulation = fluid.simulation("ABOBA", None, noise, 0.05);
     advance(&mut simulation, 3.0);
     let mut series = Blocking::new(2).unwrap();
-    for _ in 0..640 {
+    for _ in 0..512 {
         simulation.step().unwrap();
         let now = Thermodynamics::of(&mut simulation.system);
         series.record(&[now.kinetic_temperature, now.pressure]).unwrap();

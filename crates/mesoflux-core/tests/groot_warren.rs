@@ -102,7 +102,7 @@ type Series = Vec<(f64, Estimate, Estimate)>;
 /// slow fluctuation.
 fn series(seed: u64) -> Arc<Series> {
     static DONE: Mutex<Option<HashMap<u64, Arc<Series>>>> = Mutex::new(None);
-    const POWER: f64 = 0.24;
+    const POWER: f64 = 0.28;
     let mut done = DONE.lock().unwrap();
     let measured = done.get_or_insert_with(HashMap::new).entry(seed).or_insert_with(|| {
         let plan = [(0.02, 850.0), (0.03, 1100.0), (0.04, 1800.0), (0.05, 900.0), (0.06, 700.0), (0.07, 1000.0)];

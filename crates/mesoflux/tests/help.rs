@@ -23,8 +23,10 @@ fn help() {
 }
 
 #[test]
-fn help_of_run() {
-    compare("run --help", "help-run.txt");
+fn help_of_each_command() {
+    for command in ["run", "resume", "check"] {
+        compare(&format!("{command} --help"), &format!("help-{command}.txt"));
+    }
 }
 
 #[test]

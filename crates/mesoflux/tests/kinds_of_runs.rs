@@ -23,6 +23,7 @@ fn a_mixture_of_two_species() {
     let species =
         "[species.A]\nparticles = 40\n\n[species.B]\nparticles = 24\nmass = 2.0\n\n[pair.A-B]\nfriction = \"none\"\n\n";
     let input = FLUID.replace("particles = 64\n", "").replace("[pair.all]", &format!("{species}[pair.all]"));
+    let input = input.replace("equilibration_time = 0.2", "equilibration_time = 5.0");
     let results = Folder::with(&format!("{input}{TEMPERATURE}")).run_for_results("");
     warm(&results);
     assert_eq!(results["input"]["system"]["particles"], 64);
@@ -81,6 +82,7 @@ fn overlapping_cores_of_a_random_start_are_relaxed() {
     let input = FLUID
         .replace(SOFT, "potential.wca = { epsilon = 1.0, sigma = 1.0 }\n")
         .replace("density = 3.0", "density = 0.6\nstart = \"random\"")
+        .replace("coefficient = 4.5, cutoff = 1.0", "coefficient = 4.5, cutoff = 1.5")
         .replace("time_step = 0.02", "time_step = 0.002")
         .replace("equilibration_time = 0.2", "equilibration_time = 2.0");
     warm(&Folder::with(&input).run_for_results(""));

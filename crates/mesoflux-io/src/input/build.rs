@@ -73,10 +73,10 @@ impl Input {
         }
     }
 
-    /// How far the neighbor list sees beyond the largest cutoff r_c.
+    /// How far the neighbor list sees beyond the largest cutoff `r_c`.
     ///
-    /// If not given: what a thermal particle flies in forty steps, kept within a tenth and three tenths of r_c, and no more
-    /// than the box allows as long as a twentieth of r_c is left. It follows from the input alone, never from timings.
+    /// If not given: what a thermal particle flies in forty steps, kept within a tenth and three tenths of `r_c`, and no more
+    /// than the box allows as long as a twentieth of `r_c` is left. It follows from the input alone, never from timings.
     pub fn skin(&self) -> f64 {
         self.run.skin.unwrap_or_else(|| {
             let cutoff = self.interactions().cutoff();

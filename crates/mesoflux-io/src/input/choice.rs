@@ -7,6 +7,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 /// Reads a law, or the word "none".
+#[allow(clippy::option_option, reason = "the field is one: left out, switched off, given")]
 pub(super) fn deserialize<'de, L: Deserialize<'de>, D: Deserializer<'de>>(
     input: D,
 ) -> Result<Option<Option<L>>, D::Error> {

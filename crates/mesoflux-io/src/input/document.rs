@@ -134,14 +134,13 @@ fn unreadable(name: &str, text: &str, span: Option<Range<usize>>, message: &str)
 /// A file that holds no text.
 fn no_text(name: &str, error: &std::string::FromUtf8Error) -> InputError {
     let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-    let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+    let line = valid.split(|&byte| byte == b'\n').count();
     let byte = error.as_bytes()[valid.len()];
     InputError::Wrong(format!("error: {name}: line {line} holds the byte {byte:#04x}: must be text in UTF-8"))
 }
 
 fn fault(name: &str, text: &str, invalid: &Invalid) -> InputError {
-    let fault =
-        Fault { span: locate(text, &invalid.path), message: invalid.to_string(), help: invalid.help.clone() };
+    let fault = Fault { span: locate(text, &invalid.path), message: invalid.to_string(), help: invalid.help.clone() };
     InputError::Wrong(fault.render(name, text))
 }
 

@@ -7,6 +7,7 @@ mod document;
 mod routes;
 mod sweep;
 mod validate;
+mod validate_measure;
 mod wording;
 
 pub use choice::Magnitudes;

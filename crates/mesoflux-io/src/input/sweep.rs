@@ -64,7 +64,11 @@ fn collect(prefix: &str, table: &toml::Table, axes: &mut Vec<(String, Vec<toml::
             toml::Value::Table(inner) => collect(&path, inner, axes)?,
             toml::Value::Array(values) if !values.is_empty() => {
                 if let Some(again) = (1..values.len()).find(|&index| values[..index].contains(&values[index])) {
-                    return Err(Invalid::new(format!("sweep.{path}.{again}"), &values[again], "must not be given twice"));
+                    return Err(Invalid::new(
+                        format!("sweep.{path}.{again}"),
+                        &values[again],
+                        "must not be given twice",
+                    ));
                 }
                 axes.push((path, values.clone()));
             }

@@ -1,9 +1,7 @@
 //! What an input must fulfil beyond its form; each fault with the path, the value and the requirement.
 
-use super::wording::one_of;
-use super::{Input, MeasureInput, Quantity, RoutesInput};
+use super::Input;
 use mesoflux_core::integrate::Thermostat;
-use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
 use mesoflux_core::potential::Requirement;
 use std::fmt::Display;
 
@@ -41,12 +39,13 @@ impl Display for Invalid {
     }
 }
 
-fn number(path: &str, value: f64, requirement: Requirement) -> Result<(), Invalid> {
+/// A number that must meet a requirement.
+pub(super) fn number(path: &str, value: f64, requirement: Requirement) -> Result<(), Invalid> {
     if requirement.holds(value) { Ok(()) } else { Err(Invalid::new(path, written(value), requirement)) }
 }
 
 /// A number as an input file writes it: `-1.0`, `1e30`, `nan`.
-fn written(value: f64) -> String {
+pub(super) fn written(value: f64) -> String {
     if value.is_finite() && value.abs() >= 1e7 { format!("{value:e}") } else { format!("{value:?}").to_lowercase() }
 }
 
@@ -63,6 +62,9 @@ fn rounded_up(value: f64) -> f64 {
 
 /// The most particles a system may have: places in a list are 32-bit numbers.
 const MOST_PARTICLES: u64 = u32::MAX as u64;
+
+/// Thirty years: what a clock can hold, and nobody waits for.
+const LONGEST_WALL_SECONDS: f64 = 1e9;
 
 impl Input {
     /// Checks everything that the form alone doesn't guarantee.
@@ -129,7 +131,13 @@ impl Input {
         match system.particles {
             _ if (2..=MOST_PARTICLES).contains(&particles) => {}
             Some(particles) => return Err(Invalid::new("system.particles", particles, requirement)),
-            None => return Err(Invalid::new("system", "", format!("density and box give {particles} particles: {requirement}"))),
+            None => {
+                return Err(Invalid::new(
+                    "system",
+                    "",
+                    format!("density and box give {particles} particles: {requirement}"),
+                ));
+            }
         }
         match (system.density, system.sides) {
             (Some(density), Some(sides)) if known[0] => {
@@ -245,6 +253,10 @@ impl Input {
             }
         }
         number("run.checkpoint_wall_seconds", run.checkpoint_wall_seconds, Requirement::Positive)?;
+        if run.checkpoint_wall_seconds > LONGEST_WALL_SECONDS {
+            let requirement = format!("must be at most {LONGEST_WALL_SECONDS:e}");
+            return Err(Invalid::new("run.checkpoint_wall_seconds", written(run.checkpoint_wall_seconds), requirement));
+        }
         let counts = [("run.replicas", Some(run.replicas)), ("run.sample_interval", Some(run.sample_interval))];
         for (path, value) in counts.into_iter().chain([("run.checkpoint_interval", run.checkpoint_interval)]) {
             if let Some(value @ 0) = value {
@@ -268,7 +280,8 @@ impl Input {
         let reason = format!("twice the list radius (largest cutoff {cutoff} plus skin {})", rounded(skin));
         if self.run.skin.is_some() && side >= 2.1 * cutoff {
             let room = rounded(0.5 * side - cutoff);
-            let requirement = format!("must be below {room}, or the box of side {} is narrower than {reason}", rounded(side));
+            let requirement =
+                format!("must be below {room}, or the box of side {} is narrower than {reason}", rounded(side));
             return Err(Invalid::new("run.skin", written(skin), requirement));
         }
         let requirement = format!(
@@ -283,78 +296,6 @@ impl Input {
         let particles = (density * smallest.powi(3)).ceil();
         let help = format!("at density {density} that takes at least {particles} particles");
         Err(Invalid::new("system", "", requirement).helped(Some(help)))
-    }
-
-    fn validate_measure(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
-        let routes = measure.quantity.default_routes(&measure.routes);
-        let given = routes.names();
-        let allowed = measure.quantity.routes();
-        if given.is_empty() {
-            return Err(Invalid::new(path, "", format!("must name at least one route, of {}", allowed.join(", "))));
-        }
-        for route in &given {
-            if !allowed.contains(route) {
-                let quantity = measure.quantity.name();
-                let requirement = format!("does not lead to {quantity}: must be {}", one_of(allowed));
-                return Err(Invalid::new(format!("{path}.routes.{route}"), "", requirement));
-            }
-        }
-        let laws = self.interactions();
-        let refused =
-            |error: mesoflux_core::observable::ObservableError| Invalid::new(format!("{path}.quantity"), "", error);
-        match measure.quantity {
-            Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
-            Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
-            _ => {}
-        }
-        if let Some(lag) = routes.msd.as_ref().and_then(|msd| msd.longest_lag) {
-            number(&format!("{path}.routes.msd.longest_lag"), lag, Requirement::Positive)?;
-            if lag > self.run.production_time {
-                return Err(Invalid::new(
-                    format!("{path}.routes.msd.longest_lag"),
-                    written(lag),
-                    format!("must be at most the production time, {}", self.run.production_time),
-                ));
-            }
-        }
-        self.validate_driving(path, measure, &routes)
-    }
-
-    fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {
-        let magnitudes = routes.nemd.as_ref().map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
-        let fluxes = routes.norton.as_ref().map(|norton| ("routes.norton.flux", &norton.flux));
-        for (key, values) in magnitudes.into_iter().chain(fluxes) {
-            let Some(forcing) = measure.forcing else {
-                return Err(Invalid::new(
-                    path,
-                    "",
-                    format!("forcing is missing: {key} needs one, e.g. forcing = \"color_drift\""),
-                ));
-            };
-            if self.dynamics.velocity_verlet.is_some() {
-                return Err(Invalid::new(
-                    format!("{path}.{key}"),
-                    "",
-                    "needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act",
-                ));
-            }
-            forcing
-                .forcing(self.particles() as usize)
-                .map_err(|error| Invalid::new(format!("{path}.forcing"), "", error))?;
-            if values.0.is_empty() {
-                return Err(Invalid::new(format!("{path}.{key}"), "[]", "must hold at least one number"));
-            }
-            for (index, &value) in values.0.iter().enumerate() {
-                let place = if values.0.len() > 1 { format!("{path}.{key}.{index}") } else { format!("{path}.{key}") };
-                if !value.is_finite() || value == 0.0 {
-                    return Err(Invalid::new(place, written(value), "must be finite and not zero"));
-                }
-                if values.0[..index].contains(&value) {
-                    return Err(Invalid::new(place, written(value), "must not be given twice"));
-                }
-            }
-        }
-        Ok(())
     }
 }
 

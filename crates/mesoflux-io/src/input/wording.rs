@@ -28,7 +28,9 @@ pub(super) fn explain(text: &str, span: Option<Range<usize>>, message: &str) -> 
         Some("unknown variant") if value.starts_with(['"', '\'']) => {
             (format!("{path} = {value}: must be {}", one_of(known)), nearest(unknown, known))
         }
-        Some("unknown variant") => (format!("{path}: unknown name, must be {}", one_of(known)), nearest(unknown, known)),
+        Some("unknown variant") => {
+            (format!("{path}: unknown name, must be {}", one_of(known)), nearest(unknown, known))
+        }
         // A table, or the key of one: nothing that could be shown as its value.
         _ if value.starts_with(['[', '{']) || path.ends_with(value) => (format!("{path}: {requirement}"), None),
         _ => (format!("{path} = {}: {requirement}", first_line(value)), None),

@@ -1,6 +1,7 @@
 //! What the tests of the command line share: a folder of their own, tiny inputs, the program, its results.
 
 #![allow(dead_code, reason = "each test uses a part")]
+#![allow(clippy::unwrap_used, reason = "a test")]
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ quantity = "mobility"
 forcing = "color_drift"
 routes.msd = { longest_lag = 1.0 }
 routes.nemd = { magnitude = [4.0, 8.0] }
-routes.norton = { flux = 0.5, check_forcing_observable = true }
+routes.norton = { flux = 2.0, check_forcing_observable = true }
 
 [measure.T]
 quantity = "temperature"

@@ -1,0 +1,82 @@
+//! What a measurement must fulfil: routes that lead to its quantity, laws that allow it, a driving that can act.
+
+use super::validate::{Invalid, number, written};
+use super::wording::one_of;
+use super::{Input, MeasureInput, Quantity, RoutesInput};
+use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
+use mesoflux_core::potential::Requirement;
+
+impl Input {
+    /// Checks one measurement, called `path` in messages.
+    pub(super) fn validate_measure(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
+        let routes = measure.quantity.default_routes(&measure.routes);
+        let given = routes.names();
+        let allowed = measure.quantity.routes();
+        if given.is_empty() {
+            return Err(Invalid::new(path, "", format!("must name at least one route, of {}", allowed.join(", "))));
+        }
+        for route in &given {
+            if !allowed.contains(route) {
+                let quantity = measure.quantity.name();
+                let requirement = format!("does not lead to {quantity}: must be {}", one_of(allowed));
+                return Err(Invalid::new(format!("{path}.routes.{route}"), "", requirement));
+            }
+        }
+        let laws = self.interactions();
+        let refused =
+            |error: mesoflux_core::observable::ObservableError| Invalid::new(format!("{path}.quantity"), "", error);
+        match measure.quantity {
+            Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
+            Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
+            _ => {}
+        }
+        if let Some(lag) = routes.msd.as_ref().and_then(|msd| msd.longest_lag) {
+            number(&format!("{path}.routes.msd.longest_lag"), lag, Requirement::Positive)?;
+            if lag > self.run.production_time {
+                return Err(Invalid::new(
+                    format!("{path}.routes.msd.longest_lag"),
+                    written(lag),
+                    format!("must be at most the production time, {}", self.run.production_time),
+                ));
+            }
+        }
+        self.validate_driving(path, measure, &routes)
+    }
+
+    fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {
+        let magnitudes = routes.nemd.as_ref().map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
+        let fluxes = routes.norton.as_ref().map(|norton| ("routes.norton.flux", &norton.flux));
+        for (key, values) in magnitudes.into_iter().chain(fluxes) {
+            let Some(forcing) = measure.forcing else {
+                return Err(Invalid::new(
+                    path,
+                    "",
+                    format!("forcing is missing: {key} needs one, e.g. forcing = \"color_drift\""),
+                ));
+            };
+            if self.dynamics.velocity_verlet.is_some() {
+                return Err(Invalid::new(
+                    format!("{path}.{key}"),
+                    "",
+                    "needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act",
+                ));
+            }
+            forcing
+                .forcing(self.particles() as usize)
+                .map_err(|error| Invalid::new(format!("{path}.forcing"), "", error))?;
+            if values.0.is_empty() {
+                return Err(Invalid::new(format!("{path}.{key}"), "[]", "must hold at least one number"));
+            }
+            for (index, &value) in values.0.iter().enumerate() {
+                let place = if values.0.len() > 1 { format!("{path}.{key}.{index}") } else { format!("{path}.{key}") };
+                if !value.is_finite() || value == 0.0 {
+                    return Err(Invalid::new(place, written(value), "must be finite and not zero"));
+                }
+                if values.0[..index].contains(&value) {
+                    return Err(Invalid::new(place, written(value), "must not be given twice"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
