@@ -1,5 +1,7 @@
 //! Exit codes and the messages that come with them: 0 done, 2 wrong input or command line, 3 numerical failure, 4 files.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 mod common;
 
 use common::{FLUID, Folder, error, printed};

@@ -1,6 +1,8 @@
 //! The help texts, compared with those under `tests/snapshots`. After a change on purpose,
 //! `MESOFLUX_UPDATE=1 cargo test -p mesoflux --test help` writes the new ones: read them before you keep them.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 mod common;
 
 use common::{FLUID, Folder, printed};

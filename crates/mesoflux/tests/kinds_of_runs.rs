@@ -1,5 +1,7 @@
 //! Every kind of run that an input can describe: mixtures, velocity Verlet, constant energy, an ideal fluid, all starts.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 mod common;
 
 use common::{FLUID, Folder, list};

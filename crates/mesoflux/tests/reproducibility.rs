@@ -1,5 +1,7 @@
 //! The same seed gives the same bits on any number of threads; another seed other numbers; settings do what they say.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 mod common;
 
 use common::{FLUID, Folder, MEASURES, list};

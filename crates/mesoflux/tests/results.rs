@@ -1,5 +1,7 @@
 //! `results.json`, field by field, against the contract of its format.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 mod common;
 
 use common::{FLUID, Folder, MEASURES, list};

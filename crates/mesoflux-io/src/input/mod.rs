@@ -8,6 +8,7 @@ mod routes;
 mod sweep;
 mod validate;
 mod validate_measure;
+mod validate_system;
 mod wording;
 
 pub use choice::Magnitudes;
