@@ -179,7 +179,7 @@ mod tests {
     fn momenta_are_maxwellian_with_zero_sum() {
         let masses = [1.0, 4.0];
         let species = deal_species(&[3000, 1000], NOISE());
-        assert_eq!(species.iter().filter(|&&s| s == 1).count(), 1000);
+        assert_eq!(species.iter().map(|&s| usize::from(s)).sum::<usize>(), 1000);
         let mut particles = Particles::at_rest(vec![[0.0; 3]; 4000], species, &masses);
         draw_momenta(&mut particles, 0.7, NOISE());
         let total = particles.total_momentum(Workers::One);

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 pub enum SimulationError {
     /// A particle's position stopped being a number, or it flew too far at once.
     #[error(
-        "at step {step}: particle {particle} moved {distance} since the neighbor list was built (its speed is {speed}, the \
-         conservative force on it was {force}); must stay below half the shortest side of the box, {limit}. \
+        "at step {step}: particle {particle} moved {distance:.3e} since the neighbor list was built (its speed is {speed:.3e}, \
+         the conservative force on it was {force:.3e}); must stay below half the shortest side of the box, {limit:.4}. \
          Likely cause: the time step is too large for the forces, or particles overlap at the start"
     )]
     Escaped {
@@ -131,7 +131,7 @@ impl System {
         skin: f64,
         workers: Workers,
     ) -> Result<Self, NeighborError> {
-        let list = NeighborList::new(&region, interactions.cutoff(), skin)?;
+        let list = NeighborList::new(&region, interactions.cutoff(), skin, particles.count())?;
         let force = vec![ZERO; particles.count()];
         let mut system = Self {
             particles,

@@ -1,4 +1,5 @@
 //! Error bars that mean what they say: over many short runs of a fluid the 95 % interval holds the true mean as often as it should.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! What the dynamics conserve: momentum, the angular momentum of an isolated cluster, and without a thermostat the energy.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

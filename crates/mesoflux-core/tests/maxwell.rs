@@ -1,4 +1,5 @@
 //! The pair thermostat alone gives Maxwell's speeds exactly: at weak and strong friction, at any time step, for any masses.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

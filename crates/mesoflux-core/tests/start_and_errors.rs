@@ -1,4 +1,5 @@
 //! What is refused at the door, and how a run that blows up ends.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! One large Norton run gives the same bits on any number of threads.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

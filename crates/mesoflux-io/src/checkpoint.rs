@@ -84,7 +84,7 @@ impl CheckpointFiles {
             }
             match read_file(&path, &age) {
                 Ok((age, state)) if best.as_ref().is_none_or(|(older, ..)| *older < age) => {
-                    best = Some((age, place, state))
+                    best = Some((age, place, state));
                 }
                 Ok(_) => {}
                 Err(error) => damaged.push(error),

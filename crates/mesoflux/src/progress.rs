@@ -29,7 +29,7 @@ impl Progress {
     /// One step of one run was done.
     pub fn step(&self, system: &System) {
         let done = self.steps.fetch_add(1, Ordering::Relaxed) + 1;
-        if system.step % LOOK == 0 {
+        if system.step.is_multiple_of(LOOK) {
             self.bar.set_position(done);
             if !self.bar.is_hidden() {
                 self.bar.set_message(format!("kT = {:.3}", system.kinetic_temperature()));

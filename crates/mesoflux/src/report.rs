@@ -12,7 +12,7 @@ pub fn value_with_error(value: f64, error: f64) -> String {
     let rounded: f64 = format!("{error:.1e}").parse().unwrap_or(error);
     let last = rounded.log10().floor() as i32 - 1;
     let leading = value.abs().max(rounded).log10().floor() as i32;
-    if leading >= 7 || leading < -4 || last > 0 {
+    if !(-4..7).contains(&leading) || last > 0 {
         let decimals = (leading - last).max(0) as usize;
         let digits = (rounded / 10f64.powi(last)).round();
         return format!("{:.decimals$}({digits})e{leading}", value / 10f64.powi(leading));
@@ -32,7 +32,7 @@ pub fn table(results: &Results) -> String {
     let header = ["measurement", "method", "value (error)", "relative error", "particle-steps"].map(str::to_owned);
     let swept = !results.input.sweep.is_empty();
     let mut rows = vec![header.to_vec()];
-    rows.extend(results.estimates.iter().map(|record| row(record)));
+    rows.extend(results.estimates.iter().map(row));
     if swept {
         rows[0].insert(0, "point".to_owned());
         for (row, record) in rows[1..].iter_mut().zip(&results.estimates) {

@@ -65,7 +65,7 @@ impl Store {
 
     /// The files of one run.
     pub fn files(&self, task: Task) -> CheckpointFiles {
-        CheckpointFiles::new(&format!("point-{}-run-{}-replica-{}", task.point + 1, task.run + 1, task.replica + 1))
+        CheckpointFiles::new(&format!("point-{}-run-{}-replica-{}", task.point, task.run, task.replica))
     }
 
     /// Writes the state of a run.

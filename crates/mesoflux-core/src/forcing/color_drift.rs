@@ -11,7 +11,7 @@ pub struct ColorDrift;
 impl Forcing for ColorDrift {
     fn force(&self, particles: &Particles, k: usize) -> Vector {
         let magnitude = 1.0 / (particles.count() as f64).sqrt();
-        [if particles.id[k] % 2 == 0 { magnitude } else { -magnitude }, 0.0, 0.0]
+        [if particles.id[k].is_multiple_of(2) { magnitude } else { -magnitude }, 0.0, 0.0]
     }
 
     fn response(&self, particles: &Particles, k: usize) -> Vector {

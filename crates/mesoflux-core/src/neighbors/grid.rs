@@ -10,6 +10,9 @@ use crate::vector::Vector;
 /// Cells are at least half a list radius wide: neighbors are at most two cells away.
 const REACH: usize = 2;
 
+/// Most cells for each particle, on average.
+const CELLS_PER_PARTICLE: f64 = 8.0;
+
 /// Most cells along a brick's edge.
 const LARGEST_BRICK: usize = 8;
 
@@ -42,12 +45,18 @@ impl SeenCell {
 
 impl Grid {
     /// The grid for a list radius of at most half the shortest side.
-    pub fn new(region: &PeriodicBox, list_radius: f64) -> Self {
+    pub fn new(region: &PeriodicBox, list_radius: f64, particles: usize) -> Self {
+        let mut most = region.sides().map(|side| side / list_radius * REACH as f64);
+        // A nearly empty box needs no more cells than a few for each particle.
+        let excess = most.iter().product::<f64>() / (CELLS_PER_PARTICLE * particles as f64 + 64.0);
+        if excess > 1.0 {
+            most = most.map(|cells| (cells / excess.cbrt()).max(2.0 * REACH as f64));
+        }
         let mut bricks = [2; 3];
         let mut cells = [REACH; 3];
         for axis in 0..3 {
             // As many cells as fit, in an even number of bricks; among equals the brick nearest to four cells.
-            let most = ((region.sides()[axis] / list_radius) * REACH as f64).floor() as usize;
+            let most = most[axis].floor() as usize;
             let candidates =
                 (REACH..=LARGEST_BRICK).map(|edge| (2 * (most / (2 * edge)), edge)).filter(|&(n, _)| n >= 2);
             if let Some((n, edge)) =

@@ -77,11 +77,11 @@ pub struct NeighborList {
 }
 
 impl NeighborList {
-    /// An empty list for a box and a largest cutoff.
+    /// An empty list for a box, a largest cutoff and a number of particles.
     ///
     /// # Errors
     /// A box with a side below twice the list radius; a skin that is not positive.
-    pub fn new(region: &PeriodicBox, cutoff: f64, skin: f64) -> Result<Self, NeighborError> {
+    pub fn new(region: &PeriodicBox, cutoff: f64, skin: f64, particles: usize) -> Result<Self, NeighborError> {
         if !(skin > 0.0 && skin.is_finite()) {
             return Err(NeighborError::Skin(skin));
         }
@@ -89,7 +89,7 @@ impl NeighborList {
         if side < smallest {
             return Err(NeighborError::BoxTooSmall { side, smallest, cutoff, skin });
         }
-        let grid = Grid::new(region, cutoff + skin);
+        let grid = Grid::new(region, cutoff + skin, particles);
         let (order, color_starts) = grid.bricks_by_color();
         let bricks = order.into_iter().map(|coordinates| Brick { coordinates, ..Brick::default() }).collect();
         Ok(Self {

@@ -39,7 +39,7 @@ proptest! {
     ) {
         let region = PeriodicBox::new(sides).unwrap();
         let mut particles = random_particles(count, sides, seed);
-        let mut list = NeighborList::new(&region, 1.0, 0.3).unwrap();
+        let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
         list.build(&mut particles, &region, Workers::One);
         let expected = all_pairs(&particles, &region, 1.3);
         let mut found = BTreeSet::new();
@@ -61,7 +61,7 @@ proptest! {
     fn bricks_of_one_color_share_no_particle(sides in [2.6..16.0f64, 2.6..16.0f64, 2.6..16.0f64], seed: u64) {
         let region = PeriodicBox::new(sides).unwrap();
         let mut particles = random_particles(300, sides, seed);
-        let mut list = NeighborList::new(&region, 1.0, 0.3).unwrap();
+        let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
         list.build(&mut particles, &region, Workers::One);
         for color in 0..8 {
             let mut owner = vec![None; 300];
@@ -83,7 +83,7 @@ proptest! {
             if shuffled {
                 particles.reorder(&(0..150).map(|k| k * 77 % 150).collect::<Vec<_>>());
             }
-            let mut list = NeighborList::new(&region, 1.0, 0.3).unwrap();
+            let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
             list.build(&mut particles, &region, Workers::One);
             list.bricks.iter().flat_map(|brick| &brick.listed)
                 .map(|pair| (particles.id[pair.first as usize], particles.id[pair.second as usize]))
@@ -96,8 +96,15 @@ proptest! {
 #[test]
 fn boxes_below_twice_the_list_radius_are_refused_with_the_smallest_legal_side() {
     let region = PeriodicBox::new([5.0, 2.59, 5.0]).unwrap();
-    let error = NeighborList::new(&region, 1.0, 0.3).unwrap_err();
+    let error = NeighborList::new(&region, 1.0, 0.3, 200).unwrap_err();
     assert_eq!(error, NeighborError::BoxTooSmall { side: 2.59, smallest: 2.6, cutoff: 1.0, skin: 0.3 });
     let legal = PeriodicBox::new([5.0, 2.6, 5.0]).unwrap();
-    assert!(NeighborList::new(&legal, 1.0, 0.3).is_ok());
+    assert!(NeighborList::new(&legal, 1.0, 0.3, 200).is_ok());
+}
+
+#[test]
+fn a_nearly_empty_box_needs_little_memory() {
+    let region = PeriodicBox::new([1e6, 1e6, 1e4]).unwrap();
+    let list = NeighborList::new(&region, 1.0, 0.3, 10).unwrap();
+    assert!(list.grid.cell_count() < 1000, "{} cells", list.grid.cell_count());
 }

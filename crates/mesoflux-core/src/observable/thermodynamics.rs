@@ -28,12 +28,12 @@ pub struct Thermodynamics {
 pub enum ObservableError {
     /// The virial lacks the impulses at the cutoff.
     #[error(
-        "the energy of a potential jumps by {0} at its cutoff: the virial pressure would lack the impulses there; choose truncation = \"shifted\" or \"force_shifted\""
+        "the energy of a potential jumps by {0:.3e} at its cutoff: the virial pressure would lack the impulses there; choose truncation = \"shifted\" or \"force_shifted\""
     )]
     EnergyJump(f64),
     /// The Laplacian lacks a delta function.
     #[error(
-        "the force of a potential jumps by {0} at its cutoff: the configurational temperature would lack the delta function of ∇²U there; choose truncation = \"force_shifted\""
+        "the force of a potential jumps by {0:.3e} at its cutoff: the configurational temperature would lack the delta function of ∇²U there; choose truncation = \"force_shifted\""
     )]
     ForceJump(f64),
     /// Nothing to measure.

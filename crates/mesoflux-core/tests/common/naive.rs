@@ -86,7 +86,7 @@ impl Naive {
     }
 
     /// Eqs 27–29 for the pairs in the given order; returns Δp^D of eqs 60–61.
-    pub fn thermostat(&mut self, t: f64, order: &[(usize, usize)], draw: &Draw) -> Vec<Vector> {
+    pub fn thermostat(&mut self, t: f64, order: &[(usize, usize)], draw: Draw) -> Vec<Vector> {
         let mut dissipative = vec![ZERO; self.p.len()];
         for &(i, j) in order {
             let (r, e) = self.separation(i, j);
@@ -186,7 +186,7 @@ impl Naive {
                 'B' => self.kick(t),
                 _ => {
                     let draw = noise.draw(Purpose::Pair, self.step, place as u64);
-                    dissipative = self.thermostat(t, &order(place, self), &draw);
+                    dissipative = self.thermostat(t, &order(place, self), draw);
                 }
             }
             after(self, letter.symbol(), t, &dissipative);

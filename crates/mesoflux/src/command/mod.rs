@@ -28,7 +28,7 @@ impl Command {
     pub fn execute(self) -> Result<(), Failure> {
         match self {
             Self::Run(arguments) => run::run(arguments),
-            Self::Resume(arguments) => resume::resume(arguments),
+            Self::Resume(arguments) => resume::resume(&arguments),
             Self::Check(arguments) => check::check(&arguments),
         }
     }

@@ -19,7 +19,7 @@ pub struct Arguments {
     options: Options,
 }
 
-pub(super) fn resume(arguments: Arguments) -> Result<(), Failure> {
+pub(super) fn resume(arguments: &Arguments) -> Result<(), Failure> {
     let path = arguments.directory.join(INPUT);
     let before = InputFile::read(&path, &[])?;
     let file = InputFile::read(&path, &arguments.settings)?;

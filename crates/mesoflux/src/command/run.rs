@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long, requires = "out")]
     force: bool,
     /// Seed of all noise, in place of run.seed
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Set a key of the input, e.g. --set pair.all.friction.linear.coefficient=40.5; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
@@ -34,6 +34,15 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
     let file = InputFile::read(&arguments.input, &settings)?;
     let directory = match &arguments.out {
         Some(wanted) => {
+            // Only a run's own directory, or an empty one, may be written into: --force is no license to mix with other things.
+            let foreign = wanted.exists() && !wanted.join(INPUT).exists();
+            if arguments.force && foreign && std::fs::read_dir(wanted).is_ok_and(|mut entries| entries.next().is_some())
+            {
+                let place = wanted.display();
+                return Err(Failure::Refused(format!(
+                    "--out {place}: holds something that is no run of mesoflux; must be new, empty, or a run's directory"
+                )));
+            }
             let directory = OutputDirectory::explicit(wanted, arguments.force)?;
             // What an earlier run left here must not be taken for this one's.
             directory.remove(STATES)?;

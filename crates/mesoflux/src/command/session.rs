@@ -73,11 +73,17 @@ impl Failure {
     /// 130: stopped, with checkpoints.
     pub fn code(&self) -> u8 {
         match self {
-            Self::Input(InputError::Wrong(_)) | Self::Directory(DirectoryError::Exists(_)) | Self::Refused(_) => 2,
-            Self::Job(JobError::Setup { .. } | JobError::Threads(_) | JobError::Snapshot { .. }) => 2,
+            Self::Input(InputError::Wrong(_))
+            | Self::Directory(DirectoryError::Exists(_))
+            | Self::Refused(_)
+            | Self::Job(JobError::Setup { .. } | JobError::Threads(_) | JobError::Snapshot { .. }) => 2,
             Self::Job(JobError::Simulation { .. } | JobError::Route { .. }) => 3,
-            Self::Job(JobError::Store { .. }) | Self::Input(InputError::Read { .. }) => 4,
-            Self::Directory(DirectoryError::Io { .. }) | Self::Output(_) | Self::Json(_) | Self::Signals(_) => 4,
+            Self::Input(InputError::Read { .. })
+            | Self::Job(JobError::Store { .. })
+            | Self::Directory(DirectoryError::Io { .. })
+            | Self::Output(_)
+            | Self::Json(_)
+            | Self::Signals(_) => 4,
             Self::Stopped(_) => 130,
         }
     }

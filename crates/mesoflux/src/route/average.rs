@@ -44,7 +44,7 @@ impl<F: Fn(&mut System) -> Vec<f64> + Send + 'static> StateRecorder<F> {
 
 impl<F: Fn(&mut System) -> Vec<f64> + Send> Recorder for StateRecorder<F> {
     fn observe(&mut self, moment: &mut Moment) {
-        if moment.step % self.interval == 0 {
+        if moment.step.is_multiple_of(self.interval) {
             let sample = (self.read)(&mut moment.simulation.system);
             self.failure = self.failure.take().or(self.series.record(&sample).err());
         }

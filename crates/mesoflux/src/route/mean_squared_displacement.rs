@@ -70,7 +70,7 @@ struct DisplacementRecorder {
 
 impl Recorder for DisplacementRecorder {
     fn observe(&mut self, moment: &mut Moment) {
-        if moment.step % self.interval == 0 {
+        if moment.step.is_multiple_of(self.interval) {
             let system = &moment.simulation.system;
             system.particles.unwrapped_positions(&system.region, &mut self.positions);
             self.failure = self.failure.take().or(self.displacement.record(&self.positions).err());

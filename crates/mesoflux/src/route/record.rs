@@ -76,7 +76,7 @@ impl Recorder for DrivenRecorder {
             self.sum.flux += step.flux;
             self.sum.forcing += step.forcing;
         }
-        if moment.step % self.interval == 0 {
+        if moment.step.is_multiple_of(self.interval) {
             let scale = 1.0 / self.interval as f64;
             let temperature = moment.simulation.system.kinetic_temperature();
             let mut sample = vec![self.sum.flux * scale, self.sum.forcing * scale, temperature];
