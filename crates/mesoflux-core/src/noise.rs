@@ -99,14 +99,16 @@ impl Draw {
             let (i, j) = (id[i as usize], id[j as usize]);
             (*a, *b) = (i.min(j), i.max(j));
         }
+        // A whole number of vectors, filled or not; beyond the pairs the numbers mean nothing.
+        let count = first.len().next_multiple_of(8).min(N);
         let mut words = [[0; N]; 2];
-        for n in 0..N {
+        for n in 0..count {
             let [a, b] = self.words(smaller[n], larger[n]);
             words[0][n] = a;
             words[1][n] = b;
         }
         let mut gaussians = [0.0; N];
-        for n in 0..N {
+        for n in 0..count {
             gaussians[n] = box_muller(words[0][n], words[1][n]);
         }
         gaussians

@@ -22,7 +22,7 @@ struct Wave {
 }
 
 impl Wave {
-    fn along(&self, particles: &Particles, value: f64) -> f64 {
+    fn along(particles: &Particles, value: f64) -> f64 {
         value / (particles.count() as f64).sqrt()
     }
 }
@@ -30,7 +30,7 @@ impl Wave {
 impl Forcing for Wave {
     fn force(&self, particles: &Particles, k: usize) -> Vector {
         let wave = (self.wavenumber * particles.position[k][1]).sin();
-        [self.along(particles, wave), 0.0, 0.0]
+        [Self::along(particles, wave), 0.0, 0.0]
     }
     fn response(&self, particles: &Particles, k: usize) -> Vector {
         self.force(particles, k).map(|f| f * particles.inverse_mass[k])
@@ -41,7 +41,7 @@ impl Forcing for Wave {
     fn response_drift(&self, particles: &Particles, k: usize) -> f64 {
         let slope = self.wavenumber * (self.wavenumber * particles.position[k][1]).cos();
         let [v_x, v_y, _] = particles.velocity(k);
-        self.along(particles, slope) * v_y * v_x
+        Self::along(particles, slope) * v_y * v_x
     }
     fn check(&self, _particles: usize) -> Result<(), ForcingError> {
         Ok(())

@@ -1,4 +1,5 @@
 //! Stopping and going on: a restored simulation takes the same way to the last bit.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;

@@ -63,7 +63,7 @@ impl Kernel for BrickForces<'_> {
             contacts.strengths(&interactions.frictions, &chunk, &mut strength);
             let (first, second) = (&contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
             let gaussians: [f64; CHUNK] = noise.draw.pair_gaussians(id, first, second);
-            for n in 0..CHUNK {
+            for n in 0..chunk.len() {
                 magnitude[n] += random_force_amplitude(strength[n], noise.temperature, noise.time_step) * gaussians[n];
             }
             for (n, &e) in contacts.direction[chunk.clone()].iter().enumerate() {

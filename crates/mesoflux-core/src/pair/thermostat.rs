@@ -109,8 +109,8 @@ impl BrickSweep<'_> {
         contacts.value_by_kind(&interactions.inverse_reduced_masses, chunk, &mut updates.inverse_reduced_mass);
         let gaussians: [f64; CHUNK] =
             sweep.noise.pair_gaussians(id, &contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
-        // All of the chunk, whether filled or not: loops of constant length become vector instructions.
-        for n in 0..CHUNK {
+        // A whole number of vectors, filled or not.
+        for n in 0..chunk.len().next_multiple_of(8).min(CHUNK) {
             let update =
                 ornstein_uhlenbeck(strength[n], updates.inverse_reduced_mass[n], sweep.temperature, sweep.time);
             updates.decay[n] = update.decay;
