@@ -12,12 +12,12 @@ fn mobility_is_diffusion_over_temperature_times_n_over_n_minus_1() {
     let measures = "
 [measure.D]
 quantity = \"diffusion_coefficient\"
-routes.msd = { longest_lag = 1.0 }
+routes.msd = { longest_lag = 4.0 }
 
 [measure.mobility]
 quantity = \"mobility\"
 forcing = \"color_drift\"
-routes.msd = { longest_lag = 1.0 }
+routes.msd = { longest_lag = 4.0 }
 ";
     let input = FLUID
         .replace("temperature = 1.0", "temperature = 2.0")
