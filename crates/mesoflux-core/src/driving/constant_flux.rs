@@ -38,6 +38,7 @@ impl ConstantFlux {
 
 impl Driving for ConstantFlux {
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError> {
+        self.field.forcing().check(system.particles.count())?;
         self.field.update(&system.particles, system.layout(), true, system.workers);
         // Rounding alone leaves about 1e-16 Σ|F·G|: anything that small controls nothing.
         let scale =

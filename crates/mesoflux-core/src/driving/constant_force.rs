@@ -22,6 +22,7 @@ impl ConstantForce {
 
 impl Driving for ConstantForce {
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError> {
+        self.field.forcing().check(system.particles.count())?;
         self.field.update(&system.particles, system.layout(), true, system.workers);
         Ok(())
     }

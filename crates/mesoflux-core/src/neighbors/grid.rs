@@ -47,10 +47,16 @@ impl Grid {
     /// The grid for a list radius of at most half the shortest side.
     pub fn new(region: &PeriodicBox, list_radius: f64, particles: usize) -> Self {
         let mut most = region.sides().map(|side| side / list_radius * REACH as f64);
-        // A nearly empty box needs no more cells than a few for each particle.
-        let excess = most.iter().product::<f64>() / (CELLS_PER_PARTICLE * particles as f64 + 64.0);
-        if excess > 1.0 {
-            most = most.map(|cells| (cells / excess.cbrt()).max(2.0 * REACH as f64));
+        // A nearly empty box needs no more cells than a few for each particle. An axis that has the fewest cells already leaves
+        // the rest of the saving to the others, so three passes are enough.
+        let fewest = 2.0 * REACH as f64;
+        for _ in 0..3 {
+            let excess = most.iter().product::<f64>() / (CELLS_PER_PARTICLE * particles as f64 + 64.0);
+            let wide = most.iter().filter(|&&cells| cells > fewest).count();
+            if excess > 1.0 && wide > 0 {
+                let factor = excess.powf(1.0 / wide as f64);
+                most = most.map(|cells| if cells > fewest { (cells / factor).max(fewest) } else { cells });
+            }
         }
         let mut bricks = [2; 3];
         let mut cells = [REACH; 3];
