@@ -1,7 +1,7 @@
 //! From an input file to transport coefficients with their errors.
 //!
 //! A [`route`] says which runs a coefficient needs and turns their records into an estimate; [`job::perform`] does the runs
-//! of all routes, sweep points and replicas and does them side by side on the cores; [`report`] shows what came out.
+//! of all routes, sweep points and replicas side by side on the cores; [`report`] shows what came out.
 
 pub mod answer;
 pub mod command;
