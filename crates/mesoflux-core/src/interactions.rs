@@ -25,6 +25,11 @@ impl<T> PairTable<T> {
         self.species
     }
 
+    /// The number of kinds of pairs, bonded or not.
+    pub fn kinds(&self) -> usize {
+        self.species * (self.species + 1) / 2
+    }
+
     /// The place of a pair of species in the table.
     #[inline(always)]
     pub fn kind(a: u8, b: u8) -> Kind {
@@ -37,9 +42,48 @@ impl<T> PairTable<T> {
         &self.entries[usize::from(Self::kind(a, b))]
     }
 
+    /// The table with a further set of entries for each exclusion but none; see [`Interactions::with_exclusions`].
+    fn extended(mut self, entry: impl Fn(Exclusion, &T) -> T) -> Self {
+        let kinds = self.kinds();
+        for exclusion in 1..Exclusion::COUNT {
+            let further: Vec<T> = self.entries[..kinds].iter().map(|law| entry(Exclusion(exclusion), law)).collect();
+            self.entries.extend(further);
+        }
+        self
+    }
+
     /// All entries, in the order of their kinds.
     pub fn entries(&self) -> &[T] {
         &self.entries
+    }
+}
+
+/// Which pair laws two particles don't feel, because bonds join them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Exclusion(u8);
+
+impl Exclusion {
+    const COUNT: u8 = 4;
+
+    /// The exclusion of a potential, a friction, both or neither.
+    pub fn new(potential: bool, friction: bool) -> Self {
+        Self(u8::from(potential) + 2 * u8::from(friction))
+    }
+
+    /// Whether the potential is not felt.
+    pub fn potential(self) -> bool {
+        self.0 & 1 != 0
+    }
+
+    /// Whether the friction is not felt.
+    pub fn friction(self) -> bool {
+        self.0 & 2 != 0
+    }
+
+    /// The kind of a pair with this exclusion where there are `kinds` without.
+    #[inline(always)]
+    pub fn kind(self, kind: Kind, kinds: usize) -> Kind {
+        kind + Kind::from(self.0) * kinds as Kind
     }
 }
 
@@ -74,7 +118,20 @@ impl Interactions {
     /// Whether all pairs are of one kind.
     #[inline(always)]
     pub fn single_kind(&self) -> bool {
-        self.potentials.species() == 1
+        self.potentials.entries().len() == 1
+    }
+
+    /// The laws where some pairs are excluded from some of them: every exclusion in `occurring` makes kinds of its own.
+    ///
+    /// An exclusion takes the whole law away, friction and noise together: the balance between the two can't be broken.
+    #[must_use]
+    pub fn with_exclusions(self, occurring: &[Exclusion]) -> Self {
+        let felt = |exclusion: Exclusion, excluded: bool| !excluded && occurring.contains(&exclusion);
+        Self {
+            potentials: self.potentials.extended(|e, law| law.filter(|_| felt(e, e.potential()))),
+            frictions: self.frictions.extended(|e, law| law.filter(|_| felt(e, e.friction()))),
+            inverse_reduced_masses: self.inverse_reduced_masses.extended(|_, &mass| mass),
+        }
     }
 }
 
@@ -92,5 +149,24 @@ mod tests {
             }
         }
         assert_eq!(table.entries().len(), 10);
+    }
+
+    #[test]
+    fn excluded_pairs_have_kinds_of_their_own() {
+        use crate::potential::soft::Soft;
+        let soft = |repulsion: f64| Some(Potential::Soft(Soft { repulsion, cutoff: 1.0 }));
+        let laws = Interactions {
+            potentials: PairTable::from_fn(2, |a, b| soft((a + b) as f64)),
+            frictions: PairTable::from_fn(2, |_, _| None),
+            inverse_reduced_masses: PairTable::from_fn(2, |_, _| 2.0),
+        };
+        let (no_potential, no_friction) = (Exclusion::new(true, false), Exclusion::new(false, true));
+        let extended = laws.clone().with_exclusions(&[no_potential, no_friction]);
+        let kind = |exclusion: Exclusion| usize::from(exclusion.kind(PairTable::<()>::kind(1, 0), 3));
+        assert_eq!(extended.potentials.entries()[kind(Exclusion::default())], soft(1.0));
+        assert_eq!(extended.potentials.entries()[kind(no_friction)], soft(1.0));
+        assert_eq!(extended.potentials.entries()[kind(no_potential)], None);
+        assert_eq!(extended.potentials.entries()[kind(Exclusion::new(true, true))], None);
+        assert!(laws.with_exclusions(&[no_potential]).potentials.entries()[kind(no_friction)].is_none(), "never met");
     }
 }

@@ -4,6 +4,7 @@
 //! [`integrate::Integrator`] moves it on, letter by letter; a [`driving::Driving`] may act between the letters;
 //! [`observable`]s read it. `ARCHITECTURE.md` follows a particle through one step.
 
+pub mod bond;
 pub mod boundary;
 pub mod domain;
 pub mod driving;

@@ -1,12 +1,13 @@
-//! Where particles start: lattices for any number of them, random positions, Maxwell's momenta, overlaps relaxed.
+//! Where particles start: lattices for any number of them, random positions, chains, Maxwell's momenta, overlaps relaxed.
 
 use crate::boundary::PeriodicBox;
+use crate::elementary::cos_two_pi;
 use crate::interactions::Interactions;
 use crate::noise::{NoiseKey, Purpose};
 use crate::potential::Potential;
 use crate::state::Particles;
 use crate::system::{SimulationError, System};
-use crate::vector::{Vector, dot};
+use crate::vector::{Vector, ZERO, add_scaled, dot};
 use serde::{Deserialize, Serialize};
 
 /// How positions are laid out at the start.
@@ -26,6 +27,26 @@ pub enum Start {
 const POSITIONS: u64 = 0;
 const MOMENTA: u64 = 1;
 const SHUFFLE: u64 = 2;
+const WALK: u64 = 3;
+
+/// Two particles that start too near to each other.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the particles {first} and {second} start {distance:.4} apart, where their potential is {energy:.3e}: \
+     must be at most {limit}, a thousand kT"
+)]
+pub struct Overlap {
+    /// The id of one.
+    pub first: u64,
+    /// The id of the other.
+    pub second: u64,
+    /// r.
+    pub distance: f64,
+    /// u(r).
+    pub energy: f64,
+    /// The largest energy that is no overlap.
+    pub limit: f64,
+}
 
 /// Positions of `count` particles; where the lattice has more sites, the vacant ones are spread evenly.
 pub fn positions(start: Start, count: usize, region: &PeriodicBox, noise: NoiseKey) -> Vec<Vector> {
@@ -85,6 +106,11 @@ pub fn draw_momenta(particles: &mut Particles, temperature: f64, noise: NoiseKey
         let id = particles.id[k];
         particles.momentum[k] = std::array::from_fn(|axis| deviation * draw.gaussian(id, axis as u64));
     }
+    remove_drift(particles);
+}
+
+/// Takes away the velocity of the center of mass.
+pub fn remove_drift(particles: &mut Particles) {
     let workers = crate::domain::Workers::One;
     let (total, mass) = (particles.total_momentum(workers), particles.total_mass(workers));
     for k in 0..particles.count() {
@@ -95,38 +121,118 @@ pub fn draw_momenta(particles: &mut Particles, temperature: f64, noise: NoiseKey
     }
 }
 
+/// A chain of beads as a random walk from a random place: bond k is `lengths[k]` long and never turns back sharply.
+///
+/// The beads have the ids from `first` on. A turn by more than 120 degrees is drawn again, so that beads two bonds apart are
+/// farther from each other than bonded ones.
+pub fn chain(lengths: &[f64], first: u64, region: &PeriodicBox, noise: NoiseKey) -> Vec<Vector> {
+    let (place, walk) = (noise.draw(Purpose::Start, 0, POSITIONS), noise.draw(Purpose::Start, 0, WALK));
+    let mut position: Vector = std::array::from_fn(|axis| place.uniform(first, axis as u64) * region.sides()[axis]);
+    let mut beads = vec![position];
+    let mut before: Option<Vector> = None;
+    for (id, &length) in (first + 1..).zip(lengths) {
+        let mut tries =
+            (0..64).map(|attempt| direction(walk.uniform(id, 2 * attempt), walk.uniform(id, 2 * attempt + 1)));
+        let onward = |e: &Vector| before.is_none_or(|before| dot(before, *e) > -0.5);
+        let e = tries.find(onward).or(before).unwrap_or([1.0, 0.0, 0.0]);
+        add_scaled(&mut position, length, e);
+        beads.push(position);
+        before = Some(e);
+    }
+    beads
+}
+
+/// The direction on the unit sphere that belongs to two uniform numbers.
+fn direction(u: f64, v: f64) -> Vector {
+    let z = 2.0 * u - 1.0;
+    let across = (1.0 - z * z).max(0.0).sqrt();
+    [across * cos_two_pi(v), across * cos_two_pi((v + 0.75).fract()), z]
+}
+
 /// Moves overlapping particles apart, down the forces, until no force exceeds 100 kT per contact distance.
 ///
-/// Does nothing where no law has a hard core.
+/// Does nothing where no law has a hard core. Bonds hold: near its longest length one pulls harder than any overlap may push.
 ///
 /// # Errors
-/// Positions that are no numbers: particles that started in one place.
+/// Positions that are no numbers; a bond that is too long in the end.
 pub fn relax_overlaps(system: &mut System, temperature: f64) -> Result<(), SimulationError> {
     let contact = contact_distance(&system.interactions);
     if contact == 0.0 {
         return Ok(());
     }
+    let norm = |f: Vector| dot(f, f).sqrt();
     let tolerated = 100.0 * temperature / contact;
+    let mut push = vec![ZERO; system.particles.count()];
+    // A gentle push at first lets chains that were drawn across each other pass through; only then do cores become hard.
+    let (mut limit, hardening) = (0.1 * tolerated, if system.topology().bonds().is_empty() { 1.05 } else { 1.004 });
     for _ in 0..5000 {
         system.update_forces();
-        let norm = |f: Vector| dot(f, f).sqrt();
-        let largest = system.forces().iter().map(|&f| norm(f)).fold(0.0, f64::max);
-        if largest <= tolerated {
+        if system.forces().iter().all(|&f| norm(f) <= tolerated) {
             break;
         }
+        limited_forces(system, limit, &mut push);
+        limit = (hardening * limit).min(10.0 * tolerated);
         // Nobody moves farther than a hundredth of the contact distance at a time, however hard the overlap pushes.
         let (longest, rate) = (0.01 * contact, 0.01 * contact / tolerated);
-        for k in 0..system.particles.count() {
-            let force = system.forces()[k];
+        for (position, &force) in system.particles.position.iter_mut().zip(&push) {
             let length = (rate * norm(force)).min(longest);
-            let scale = if norm(force) > 0.0 { length / norm(force) } else { 0.0 };
-            for axis in 0..3 {
-                system.particles.position[k][axis] += scale * force[axis];
+            add_scaled(position, if norm(force) > 0.0 { length / norm(force) } else { 0.0 }, force);
+        }
+        system.follow_positions()?;
+    }
+    system.positions_moved()
+}
+
+/// The forces with no pair's above a limit; a bond near its longest length pulls a hundred times harder.
+fn limited_forces(system: &mut System, limit: f64, force: &mut Vec<Vector>) {
+    force.fill(ZERO);
+    let (list, interactions, _) = system.with_contacts();
+    for brick in list.bricks() {
+        let contacts = &brick.contacts;
+        for k in 0..contacts.count() {
+            if let Some(law) = &interactions.potentials.entries()[contacts.kind(k)] {
+                let (i, j, r) = (contacts.first[k] as usize, contacts.second[k] as usize, contacts.distance[k]);
+                // Two particles in one place have no direction of their own.
+                let e = if r > 0.0 { contacts.direction[k] } else { [1.0, 0.0, 0.0] };
+                let magnitude = law.force(r).clamp(-limit, limit);
+                add_scaled(&mut force[i], magnitude, e);
+                add_scaled(&mut force[j], -magnitude, e);
             }
         }
-        system.positions_moved()?;
     }
-    Ok(())
+    let topology = system.topology();
+    topology.for_each_bond(&system.particles, &system.region, |bond, [i, j], d| {
+        let (r, law) = (dot(d, d).sqrt(), topology.laws()[usize::from(bond.law)]);
+        let pull = 100.0 * limit;
+        let magnitude = if r < 0.99 * law.longest() { law.force(r).clamp(-pull, pull) } else { -pull };
+        let scale = if r > 0.0 { magnitude / r } else { 0.0 };
+        add_scaled(&mut force[i], scale, d);
+        add_scaled(&mut force[j], -scale, d);
+    });
+}
+
+/// Whether no two particles with a hard core start so near that their potential is above a thousand kT.
+///
+/// # Errors
+/// The pair with the highest potential.
+pub fn check_overlaps(system: &mut System, temperature: f64) -> Result<(), Overlap> {
+    let limit = 1000.0 * temperature;
+    let mut worst: Option<Overlap> = None;
+    let (list, interactions, particles) = system.with_contacts();
+    for brick in list.bricks() {
+        let contacts = &brick.contacts;
+        for (k, &distance) in contacts.distance.iter().enumerate() {
+            let Some(law) = interactions.potentials.entries()[contacts.kind(k)] else { continue };
+            let energy = law.energy(distance);
+            let energy = if energy.is_nan() { f64::INFINITY } else { energy };
+            if law.contact_distance() > 0.0 && energy > worst.as_ref().map_or(limit, |worst| worst.energy) {
+                let id = |place: u32| particles.id[place as usize];
+                let (a, b) = (id(contacts.first[k]), id(contacts.second[k]));
+                worst = Some(Overlap { first: a.min(b), second: a.max(b), distance, energy, limit });
+            }
+        }
+    }
+    worst.map_or(Ok(()), Err)
 }
 
 /// The largest distance below which a law calls two particles overlapping.

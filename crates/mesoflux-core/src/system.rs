@@ -1,10 +1,11 @@
 //! A system of particles with its box, laws and neighbor list: everything a letter can act on.
 
+use crate::bond::{Bond, Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
-use crate::interactions::Interactions;
-use crate::neighbors::{NeighborError, NeighborList};
-use crate::pair::conservative_forces;
+use crate::interactions::{Interactions, Kind, PairTable};
+use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
+use crate::pair::{PairSums, conservative_forces, pair_sums};
 use crate::state::Particles;
 use crate::vector::{Vector, ZERO, dot};
 use serde::{Deserialize, Serialize};
@@ -32,6 +33,24 @@ pub enum SimulationError {
         /// The longest way allowed.
         limit: f64,
     },
+    /// A bond came to a length that its law doesn't allow.
+    #[error(
+        "at step {step}: the bond between the particles {first} and {second} has the length {length:.4}; must stay below \
+         {longest:.4}, the longest that its law or half the box allows. \
+         Likely cause: the time step is too large for the forces, or the start is too strained"
+    )]
+    BrokenBond {
+        /// The step, counted from the start of the run.
+        step: u64,
+        /// The id of one particle.
+        first: u64,
+        /// The id of the other.
+        second: u64,
+        /// The bond's length.
+        length: f64,
+        /// The length that it must not reach.
+        longest: f64,
+    },
 }
 
 /// Particles, their box and their interactions.
@@ -47,6 +66,7 @@ pub struct System {
     pub workers: Workers,
     /// Steps done since the start of the run.
     pub step: u64,
+    topology: Topology,
     list: NeighborList,
     force: Vec<Vector>,
     contacts_current: bool,
@@ -61,6 +81,10 @@ pub struct System {
 pub struct Snapshot {
     /// Steps done.
     pub step: u64,
+    /// The sides of the box.
+    pub sides: Vector,
+    /// The bonds.
+    pub bonds: Vec<Bond>,
     /// The particles in storage order.
     pub particles: Particles,
     /// Their positions at the last list build.
@@ -68,7 +92,7 @@ pub struct Snapshot {
 }
 
 /// A snapshot that does not fit the system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SnapshotError {
     /// Wrong lengths, ids, species, or numbers that are none.
     #[error("the particles of the snapshot are not consistent")]
@@ -81,6 +105,17 @@ pub enum SnapshotError {
         /// In the input.
         expected: usize,
     },
+    /// Another box.
+    #[error("the snapshot is of a box with the sides {found:?}: must be {expected:?}, as the input says")]
+    Box {
+        /// In the snapshot.
+        found: Vector,
+        /// In the input.
+        expected: Vector,
+    },
+    /// Other bonds.
+    #[error("the bonds of the snapshot are not those of the input")]
+    Bonds,
     /// The list built from the reference positions has another order.
     #[error("the neighbor list of the snapshot cannot be built again in its order: box, cutoffs or skin differ")]
     Order,
@@ -89,7 +124,13 @@ pub enum SnapshotError {
 impl System {
     /// The state as it is.
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot { step: self.step, particles: self.particles.clone(), reference: self.list.reference().to_vec() }
+        Snapshot {
+            step: self.step,
+            sides: self.region.sides(),
+            bonds: self.topology.bonds().to_vec(),
+            particles: self.particles.clone(),
+            reference: self.list.reference().to_vec(),
+        }
     }
 
     /// Takes over a state, to go on from it to the same bits as without the interruption.
@@ -100,6 +141,13 @@ impl System {
         let (expected, found) = (self.particles.count(), snapshot.particles.count());
         if found != expected {
             return Err(SnapshotError::Count { found, expected });
+        }
+        let sides = self.region.sides();
+        if snapshot.sides != sides {
+            return Err(SnapshotError::Box { found: snapshot.sides, expected: sides });
+        }
+        if snapshot.bonds != self.topology.bonds() {
+            return Err(SnapshotError::Bonds);
         }
         let finite = snapshot.reference.iter().flatten().all(|x| x.is_finite());
         let species = self.interactions.potentials.species();
@@ -139,6 +187,7 @@ impl System {
             interactions,
             workers,
             step: 0,
+            topology: Topology::default(),
             list,
             force,
             contacts_current: false,
@@ -149,11 +198,38 @@ impl System {
         Ok(system)
     }
 
+    /// The system with bonds between its particles, and the pair laws without what the bonds exclude.
+    #[must_use]
+    pub fn with_bonds(mut self, topology: Topology) -> Self {
+        if !topology.exclusions().is_empty() {
+            self.interactions = self.interactions.with_exclusions(topology.exclusions());
+        }
+        self.topology = topology;
+        self.rebuild();
+        self
+    }
+
+    /// The bonds.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
     /// Must be called after positions changed: rebuilds the neighbor list where its skin is spent.
     ///
     /// # Errors
-    /// A particle that flew away, or whose position is no number.
+    /// A particle that flew away, or whose position is no number; a broken bond.
     pub fn positions_moved(&mut self) -> Result<(), SimulationError> {
+        self.follow_positions()?;
+        match self.topology.broken(&self.particles, &self.region) {
+            None => Ok(()),
+            Some(Broken { first, second, length, longest }) => {
+                Err(SimulationError::BrokenBond { step: self.step, first, second, length, longest })
+            }
+        }
+    }
+
+    /// Rebuilds the neighbor list where its skin is spent; bonds may have any length.
+    pub(crate) fn follow_positions(&mut self) -> Result<(), SimulationError> {
         self.contacts_current = false;
         self.forces_current = false;
         if self.list.is_spent(&self.particles, self.workers) {
@@ -168,7 +244,16 @@ impl System {
     }
 
     fn rebuild(&mut self) {
-        self.list.build(&mut self.particles, &self.region, self.workers);
+        let (interactions, topology) = (&self.interactions, &self.topology);
+        let kinds = interactions.potentials.kinds();
+        let kind = |particles: &Particles, first: u32, second: u32| -> Kind {
+            let (i, j) = (first as usize, second as usize);
+            let kind = PairTable::<()>::kind(particles.species[i], particles.species[j]);
+            topology.exclusion(particles.id[i], particles.id[j]).kind(kind, kinds)
+        };
+        let kind: Option<&KindOfPair> = if interactions.single_kind() { None } else { Some(&kind) };
+        self.list.build(&mut self.particles, &self.region, kind, self.workers);
+        self.topology.follow(&self.particles.id);
         self.contacts_current = false;
         self.forces_current = false;
         self.layout += 1;
@@ -200,7 +285,7 @@ impl System {
 
     fn update_contacts(&mut self) {
         if !self.contacts_current {
-            self.list.update_contacts(&self.particles, !self.interactions.single_kind(), self.workers);
+            self.list.update_contacts(&self.particles, self.workers);
             self.contacts_current = true;
         }
     }
@@ -221,8 +306,20 @@ impl System {
         if !self.forces_current {
             self.update_contacts();
             conservative_forces(&self.list, &self.interactions, &mut self.force, self.workers);
+            self.topology.add_forces(&self.particles, &self.region, &mut self.force, self.workers);
             self.forces_current = true;
         }
+    }
+
+    /// Adds the forces of the bonds at the present positions to a column in storage order.
+    pub(crate) fn add_bond_forces(&self, force: &mut [Vector]) {
+        self.topology.add_forces(&self.particles, &self.region, force, self.workers);
+    }
+
+    /// Potential energy, virial and Laplacian of pairs and bonds at the present positions.
+    pub fn pair_sums(&mut self) -> PairSums {
+        self.update_contacts();
+        pair_sums(&self.list, &self.interactions, self.workers) + self.topology.sums(&self.particles, &self.region)
     }
 
     /// The conservative forces of the last `update_forces`, in storage order.

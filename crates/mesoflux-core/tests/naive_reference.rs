@@ -5,6 +5,7 @@ mod common;
 
 use common::naive::Naive;
 use common::{by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
+use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
@@ -13,6 +14,7 @@ use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{FluxChange, Integrator, Schedule, Stroke};
 use mesoflux_core::noise::{NoiseKey, Purpose};
 use mesoflux_core::potential::Potential;
+use mesoflux_core::potential::harmonic::Harmonic;
 use mesoflux_core::potential::lennard_jones::Truncation;
 use mesoflux_core::potential::soft::Soft;
 use mesoflux_core::simulation::Simulation;
@@ -62,6 +64,32 @@ fn random_system(law: usize, species: usize, shape: [f64; 3], noise: NoiseKey) -
     let mut particles = Particles::at_rest(sites, kinds, &masses[..species]);
     draw_momenta(&mut particles, 1.3, noise);
     System::new(particles, region, laws, 0.3, Workers::One).unwrap()
+}
+
+/// How far exclusions reach, if there are bonds at all: 0 for none.
+fn exclusions(choice: usize) -> Option<ExclusionRange> {
+    let ranges = [(0, 0), (1, 0), (2, 1), (1, 3)].map(|(potential, friction)| ExclusionRange { potential, friction });
+    choice.checked_sub(1).map(|choice| ranges[choice])
+}
+
+/// The system with springs from two of three particles to the nearest one with a larger id: chains, stars and trees.
+fn bonded(system: System, range: Option<ExclusionRange>) -> System {
+    let Some(range) = range else { return system };
+    let (q, region) = (unwrapped(&system), system.region);
+    let distance = |i: usize, j: usize| {
+        let d = region.nearest_image(subtract(q[i], q[j]));
+        dot(d, d)
+    };
+    let nearest = |i: usize| (i + 1..q.len()).min_by(|&a, &b| distance(i, a).total_cmp(&distance(i, b)));
+    let near = (0..q.len()).filter(|i| i % 3 < 2).filter_map(|i| Some((i, nearest(i)?)));
+    let bonds = near.filter(|&(i, j)| distance(i, j) < 1.9).map(|(i, j)| Bond {
+        law: (i % 2) as u16,
+        first: (if i % 5 == 0 { j } else { i }) as u32,
+        second: (if i % 5 == 0 { i } else { j }) as u32,
+    });
+    let laws = [(30.0, 0.8), (60.0, 0.5)].map(|(stiffness, length)| BondLaw::Harmonic(Harmonic { stiffness, length }));
+    let topology = Topology::new(q.len(), laws.to_vec(), bonds.collect(), range).unwrap();
+    system.with_bonds(topology)
 }
 
 fn same(engine: &[Vector], naive: &[Vector], tolerance: impl Fn(usize) -> f64) -> Result<(), TestCaseError> {
@@ -211,33 +239,34 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn conservative_forces(law in 0usize..2, species in 1usize..3, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
-        let mut system = random_system(law, species, shape, NoiseKey::new(&[seed]));
+    fn conservative_forces(law in 0usize..2, species in 1usize..3, bonds in 0usize..5, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
+        let mut system = bonded(random_system(law, species, shape, NoiseKey::new(&[seed])), exclusions(bonds));
         system.update_forces();
         let (expected, magnitude) = Naive::of(&system).forces();
         same(&by_id(&system.particles, system.forces()), &expected, |k| 1e-12 * magnitude[k])?;
     }
 
     #[test]
-    fn words(law in 0usize..3, species in 1usize..3, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, start in 0u64..2, seed: u64) {
+    fn words(law in 0usize..3, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, start in 0u64..2, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
-        let mut system = random_system(law, species, shape, noise);
+        let mut system = bonded(random_system(law, species, shape, noise), exclusions(bonds));
         system.step = start;
         compare_steps(system, WORDS[word], Drive::None, noise)?;
     }
 
     #[test]
-    fn driven_words(species in 1usize..3, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, color: bool, norton: bool, seed: u64) {
+    fn driven_words(species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, color: bool, norton: bool, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
         let kind = if color { ForcingKind::ColorDrift } else { ForcingKind::TwoParticleDrift };
         let drive = if norton { Drive::Norton(kind) } else { Drive::Nemd(kind) };
-        compare_steps(random_system(seed as usize % 3, species, shape, noise), WORDS[word], drive, noise)?;
+        let system = bonded(random_system(seed as usize % 3, species, shape, noise), exclusions(bonds));
+        compare_steps(system, WORDS[word], drive, noise)?;
     }
 
     #[test]
-    fn groot_and_warrens_velocity_verlet(law in 0usize..3, species in 1usize..3, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], seed: u64) {
+    fn groot_and_warrens_velocity_verlet(law in 0usize..3, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], seed: u64) {
         let noise = NoiseKey::new(&[seed]);
-        let system = random_system(law, species, shape, noise);
+        let system = bonded(random_system(law, species, shape, noise), exclusions(bonds));
         let mut naive = Naive::of(&system);
         let mut simulation = Simulation::new(system, velocity_verlet(), None, noise, 0.008).unwrap();
         (0..3).for_each(|_| assert!(simulation.step().unwrap().is_none()));

@@ -19,7 +19,7 @@ fn an_absurd_time_step_ends_in_an_error_that_names_step_and_particle() {
         let system = Fluid::lennard_jones(216).system(1.0, noise);
         let mut simulation = Simulation::new(system, integrator, None, noise, 0.2).unwrap();
         let error = (0..1000).find_map(|_| simulation.step().err()).unwrap();
-        let SimulationError::Escaped { step, particle, distance, limit, .. } = error;
+        let SimulationError::Escaped { step, particle, distance, limit, .. } = error else { panic!("{error}") };
         assert_eq!(step, simulation.system.step, "the step under way");
         assert!(particle < 216 && !(distance < limit));
         let message = error.to_string();
@@ -33,7 +33,8 @@ fn a_position_that_is_no_number_ends_in_an_error_that_names_its_particle() {
     let mut simulation = Fluid::groot_warren(192).simulation("ABOBA", None, NoiseKey::new(&[1]), 0.01);
     let place = simulation.system.particles.id.iter().position(|&id| id == 77).unwrap();
     simulation.system.particles.momentum[place][1] = f64::NAN;
-    let SimulationError::Escaped { step, particle, .. } = simulation.step().unwrap_err();
+    let error = simulation.step().unwrap_err();
+    let SimulationError::Escaped { step, particle, .. } = error else { panic!("{error}") };
     assert_eq!((step, particle), (0, 77));
 }
 

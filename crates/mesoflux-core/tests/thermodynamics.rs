@@ -4,9 +4,12 @@
 mod common;
 
 use common::{Fluid, advance};
+use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::observable::Thermodynamics;
+use mesoflux_core::potential::fene::Fene;
+use mesoflux_core::simulation::Simulation;
 use mesoflux_core::start::draw_momenta;
 use mesoflux_core::state::Particles;
 use mesoflux_core::system::System;
@@ -18,18 +21,45 @@ fn liquid() -> System {
     simulation.system
 }
 
+/// The same liquid with every second particle bonded to the one before, whose pair potential it doesn't feel.
+fn dumbbells() -> System {
+    let fluid = Fluid::lennard_jones(216);
+    let system = fluid.system(1.0, NoiseKey::new(&[1]));
+    let law = BondLaw::Fene(Fene { stiffness: 30.0, longest: 1.9 });
+    let bonds = (0..108).map(|k| Bond { law: 0, first: 2 * k, second: 2 * k + 1 }).collect();
+    let range = ExclusionRange { potential: 1, friction: 0 };
+    let system = system.with_bonds(Topology::new(216, vec![law], bonds, range).unwrap());
+    let mut simulation = Simulation::new(system, common::splitting("ABOBA"), None, NoiseKey::new(&[1]), 0.004).unwrap();
+    advance(&mut simulation, 0.8);
+    simulation.system
+}
+
 /// The system with all lengths multiplied.
 fn scaled(system: &System, factor: f64) -> System {
     let mut particles = system.particles.clone();
     particles.position.iter_mut().for_each(|position| *position = position.map(|x| x * factor));
     let region = PeriodicBox::new(system.region.sides().map(|side| side * factor)).unwrap();
-    System::new(particles, region, system.interactions.clone(), 0.2, system.workers).unwrap()
+    let mut laws = system.interactions.clone();
+    // A bonded system has the kinds that its bonds made already.
+    if !system.topology().exclusions().is_empty() {
+        laws = Fluid::lennard_jones(216).system(1.0, NoiseKey::new(&[1])).interactions;
+    }
+    let same = System::new(particles, region, laws, 0.2, system.workers).unwrap();
+    same.with_bonds(system.topology().clone())
 }
 
 /// P − ρ kT = −dU/dV when all positions follow the box.
 #[test]
 fn pressure_is_the_response_of_the_energy_to_the_volume() {
-    let mut system = liquid();
+    check_pressure(liquid());
+}
+
+#[test]
+fn pressure_of_bonded_particles_is_the_response_of_the_energy_to_the_volume() {
+    check_pressure(dumbbells());
+}
+
+fn check_pressure(mut system: System) {
     let now = Thermodynamics::of(&mut system);
     let volume = system.region.volume();
     let h = 1e-5;
@@ -43,7 +73,15 @@ fn pressure_is_the_response_of_the_energy_to_the_volume() {
 /// ∇²U = −Σ ∂F/∂r, coordinate by coordinate.
 #[test]
 fn laplacian_is_the_divergence_of_the_forces() {
-    let mut system = liquid();
+    check_laplacian(liquid());
+}
+
+#[test]
+fn laplacian_of_bonded_particles_is_the_divergence_of_the_forces() {
+    check_laplacian(dumbbells());
+}
+
+fn check_laplacian(mut system: System) {
     let found = Thermodynamics::of(&mut system).laplacian;
     let h = 1e-5;
     let mut divergence = 0.0;

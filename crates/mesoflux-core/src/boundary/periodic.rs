@@ -91,6 +91,12 @@ impl PeriodicBox {
         }
     }
 
+    /// The difference of two positions taken to its nearest image; that of −d is exactly the opposite.
+    #[inline(always)]
+    pub fn nearest_image(&self, d: Vector) -> Vector {
+        std::array::from_fn(|axis| d[axis] - self.sides[axis] * (d[axis] / self.sides[axis]).round())
+    }
+
     /// A position followed through all its crossings.
     pub fn unwrap(&self, position: Vector, crossings: [i32; 3]) -> Vector {
         std::array::from_fn(|axis| position[axis] + f64::from(crossings[axis]) * self.sides[axis])

@@ -93,6 +93,7 @@ impl VelocityVerlet {
         }
         let mut force = std::mem::take(particles.column_mut(columns.force));
         velocity_dependent_forces(list, interactions, particles, &self.velocity, &noise, &mut force, workers);
-        *particles.column_mut(columns.force) = force;
+        system.add_bond_forces(&mut force);
+        *system.particles.column_mut(columns.force) = force;
     }
 }

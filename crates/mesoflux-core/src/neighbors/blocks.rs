@@ -91,7 +91,7 @@ mod tests {
                     let first = (draw.uniform(k, 0) * f64::from(particles)) as u32;
                     let second = (first + 1 + (draw.uniform(k, 1) * f64::from(particles - 1)) as u32) % particles;
                     // The image serves as a mark of the pair's place.
-                    ListedPair { first, second, image: (k % 256) as u8 }
+                    ListedPair { first, second, image: (k % 256) as u8, kind: 0 }
                 })
                 .collect();
             let mut packed = pairs.clone();

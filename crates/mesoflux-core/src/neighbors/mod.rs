@@ -10,6 +10,7 @@ pub use grid::Grid;
 
 use crate::boundary::{Image, PeriodicBox};
 use crate::domain::Workers;
+use crate::interactions::Kind;
 use crate::pair::{Contacts, InstructionSet, Kernel};
 use crate::state::Particles;
 use crate::vector::{Vector, dot, subtract};
@@ -25,6 +26,8 @@ pub struct ListedPair {
     pub second: u32,
     /// Offset to add to r_first − r_second.
     pub image: Image,
+    /// Which laws act between them; zero where there is but one kind of pair.
+    pub kind: Kind,
 }
 
 /// The pairs that one brick owns.
@@ -73,8 +76,13 @@ pub struct NeighborList {
     reference: Vec<Vector>,
     /// For each image the offset of r_i − r_j.
     offsets: [Vector; 27],
+    /// Whether there are several kinds of pairs.
+    kinds: bool,
     builds: u64,
 }
+
+/// The kind of the pair of particles in two places.
+pub type KindOfPair<'a> = dyn Fn(&Particles, u32, u32) -> Kind + Sync + 'a;
 
 impl NeighborList {
     /// An empty list for a box, a largest cutoff and a number of particles.
@@ -100,6 +108,7 @@ impl NeighborList {
             color_starts,
             reference: Vec::new(),
             offsets: region.image_offsets(),
+            kinds: false,
             builds: 0,
         })
     }
@@ -125,15 +134,27 @@ impl NeighborList {
     /// Wraps the positions, sorts the particles by cell and id, and lists all pairs within the list radius.
     ///
     /// Positions must be finite.
-    pub fn build(&mut self, particles: &mut Particles, region: &PeriodicBox, workers: Workers) {
+    ///
+    /// `kind` gives the kind of the pair of particles in two places; `None` where there is but one.
+    pub fn build(
+        &mut self,
+        particles: &mut Particles,
+        region: &PeriodicBox,
+        kind: Option<&KindOfPair>,
+        workers: Workers,
+    ) {
         for (position, crossings) in particles.position.iter_mut().zip(&mut particles.crossings) {
             region.wrap(position, crossings);
         }
         let cell_starts = self.sort_by_cell(particles);
         let (grid, offsets, radius) = (&self.grid, &self.offsets, self.cutoff + self.skin);
-        let position = &particles.position;
+        let particles = &*particles;
         let list = |blocks: &mut Blocks, brick: &mut Brick| {
-            list_pairs(brick, grid, &cell_starts, position, offsets, radius * radius, blocks);
+            list_pairs(brick, grid, &cell_starts, &particles.position, offsets, radius * radius);
+            if let Some(kind) = kind {
+                brick.listed.iter_mut().for_each(|pair| pair.kind = kind(particles, pair.first, pair.second));
+            }
+            blocks.pack(&mut brick.listed, particles.count());
         };
         match workers {
             Workers::One => {
@@ -142,7 +163,8 @@ impl NeighborList {
             }
             Workers::Pool => self.bricks.par_iter_mut().for_each_init(Blocks::default, list),
         }
-        self.reference.clone_from(position);
+        self.reference.clone_from(&particles.position);
+        self.kinds = kind.is_some();
         self.builds += 1;
     }
 
@@ -170,8 +192,8 @@ impl NeighborList {
     }
 
     /// Brings the contacts of every brick up to date with the positions.
-    pub fn update_contacts(&mut self, particles: &Particles, kinds: bool, workers: Workers) {
-        let (offsets, cutoff) = (&self.offsets, self.cutoff);
+    pub fn update_contacts(&mut self, particles: &Particles, workers: Workers) {
+        let (offsets, cutoff, kinds) = (&self.offsets, self.cutoff, self.kinds);
         let instructions = InstructionSet::detect();
         let update = |brick: &mut Brick| instructions.run(BrickContacts { brick, particles, offsets, cutoff, kinds });
         match workers {
@@ -246,7 +268,6 @@ fn list_pairs(
     position: &[Vector],
     offsets: &[Vector; 27],
     radius_squared: f64,
-    blocks: &mut Blocks,
 ) {
     let listed = &mut brick.listed;
     listed.clear();
@@ -263,16 +284,15 @@ fn list_pairs(
             let x = [x[0] + offset[0], x[1] + offset[1], x[2] + offset[2]];
             // Every candidate is written, and only those within the radius advance the place: no branch to mispredict.
             let mut count = listed.len();
-            listed.resize(count + (theirs.end - from) as usize, ListedPair { first, second: first, image });
+            listed.resize(count + (theirs.end - from) as usize, ListedPair { first, second: first, image, kind: 0 });
             for second in from..theirs.end {
                 let d = subtract(x, position[second as usize]);
-                listed[count] = ListedPair { first, second, image };
+                listed[count] = ListedPair { first, second, image, kind: 0 };
                 count += usize::from(dot(d, d) < radius_squared);
             }
             listed.truncate(count);
         }
     });
-    blocks.pack(listed, position.len());
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ proptest! {
         let region = PeriodicBox::new(sides).unwrap();
         let mut particles = random_particles(count, sides, seed);
         let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
-        list.build(&mut particles, &region, Workers::One);
+        list.build(&mut particles, &region, None, Workers::One);
         let expected = all_pairs(&particles, &region, 1.3);
         let mut found = BTreeSet::new();
         for brick in list.bricks() {
@@ -62,7 +62,7 @@ proptest! {
         let region = PeriodicBox::new(sides).unwrap();
         let mut particles = random_particles(300, sides, seed);
         let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
-        list.build(&mut particles, &region, Workers::One);
+        list.build(&mut particles, &region, None, Workers::One);
         for color in 0..8 {
             let mut owner = vec![None; 300];
             for brick in &list.bricks[list.color_starts[color]..list.color_starts[color + 1]] {
@@ -84,7 +84,7 @@ proptest! {
                 particles.reorder(&(0..150).map(|k| k * 77 % 150).collect::<Vec<_>>());
             }
             let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
-            list.build(&mut particles, &region, Workers::One);
+            list.build(&mut particles, &region, None, Workers::One);
             list.bricks.iter().flat_map(|brick| &brick.listed)
                 .map(|pair| (particles.id[pair.first as usize], particles.id[pair.second as usize]))
                 .collect::<Vec<_>>()

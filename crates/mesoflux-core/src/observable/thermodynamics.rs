@@ -1,7 +1,6 @@
 //! Temperatures, energy and pressure of one configuration.
 
 use crate::interactions::Interactions;
-use crate::pair::pair_sums;
 use crate::system::System;
 use crate::vector::dot;
 
@@ -12,7 +11,7 @@ pub struct Thermodynamics {
     pub kinetic_temperature: f64,
     /// U.
     pub potential_energy: f64,
-    /// P = ρ kT_kinetic + Σ_pairs r f(r)/(3V).
+    /// P = ρ kT_kinetic + Σ r f(r)/(3V) over pairs and bonds.
     ///
     /// The kinetic part uses the kinetic temperature, so that the three degrees of freedom which the conserved total momentum
     /// takes away leave no bias of order 1/N.
@@ -79,7 +78,7 @@ impl Thermodynamics {
     pub fn of(system: &mut System) -> Self {
         system.update_forces();
         let workers = system.workers;
-        let sums = pair_sums(system.list(), &system.interactions, workers);
+        let sums = system.pair_sums();
         let count = system.particles.count();
         let kinetic_temperature = system.kinetic_temperature();
         let volume = system.region.volume();

@@ -55,18 +55,19 @@ impl Contacts {
         self.kind.clear();
         let mut near = Near::default();
         for chunk in listed.chunks(CHUNK) {
-            let count = near.select(chunk, particles, offsets, cutoff);
+            let count = if kinds {
+                near.select::<true>(chunk, particles, offsets, cutoff)
+            } else {
+                near.select::<false>(chunk, particles, offsets, cutoff)
+            };
             near.measure();
             self.first.extend_from_slice(&near.first[..count]);
             self.second.extend_from_slice(&near.second[..count]);
             self.distance.extend_from_slice(&near.distance[..count]);
             self.direction.extend_from_slice(&near.separation[..count]);
-        }
-        if kinds {
-            let kind = |(&a, &b): (&u32, &u32)| {
-                PairTable::<()>::kind(particles.species[a as usize], particles.species[b as usize])
-            };
-            self.kind.extend(self.first.iter().zip(&self.second).map(kind));
+            if kinds {
+                self.kind.extend_from_slice(&near.kind[..count]);
+            }
         }
     }
 
@@ -134,6 +135,7 @@ fn laws<L>(table: &PairTable<Option<L>>) -> impl Iterator<Item = (Kind, &L)> {
 struct Near {
     first: [u32; CHUNK],
     second: [u32; CHUNK],
+    kind: [Kind; CHUNK],
     separation: [Vector; CHUNK],
     /// r², then r.
     distance: [f64; CHUNK],
@@ -141,14 +143,26 @@ struct Near {
 
 impl Default for Near {
     fn default() -> Self {
-        Self { first: [0; CHUNK], second: [0; CHUNK], separation: [ZERO; CHUNK], distance: [0.0; CHUNK] }
+        Self {
+            first: [0; CHUNK],
+            second: [0; CHUNK],
+            kind: [0; CHUNK],
+            separation: [ZERO; CHUNK],
+            distance: [0.0; CHUNK],
+        }
     }
 }
 
 impl Near {
     /// Keeps the pairs within the cutoff, in their order; returns how many.
     #[inline(always)]
-    fn select(&mut self, chunk: &[ListedPair], particles: &Particles, offsets: &[Vector; 27], cutoff: f64) -> usize {
+    fn select<const KINDS: bool>(
+        &mut self,
+        chunk: &[ListedPair],
+        particles: &Particles,
+        offsets: &[Vector; 27],
+        cutoff: f64,
+    ) -> usize {
         // Every pair is written, and only those within the cutoff advance the place: no branch to mispredict.
         let mut count = 0;
         for pair in chunk {
@@ -158,6 +172,9 @@ impl Near {
             let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
             self.first[count] = pair.first;
             self.second[count] = pair.second;
+            if KINDS {
+                self.kind[count] = pair.kind;
+            }
             self.separation[count] = d;
             self.distance[count] = squared;
             count += usize::from(squared < cutoff * cutoff);

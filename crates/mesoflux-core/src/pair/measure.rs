@@ -5,6 +5,7 @@ use crate::interactions::Interactions;
 use crate::neighbors::{Brick, NeighborList};
 use crate::state::Particles;
 use crate::vector::{Vector, dot, subtract};
+use std::ops::Add;
 
 /// Sums over all pairs of the conservative laws.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -15,6 +16,18 @@ pub struct PairSums {
     pub virial: f64,
     /// ∇²U = Σ_i ∂²U/∂r_i² = −2 Σ_pairs [f'(r) + 2 f(r)/r].
     pub laplacian: f64,
+}
+
+impl Add for PairSums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            potential_energy: self.potential_energy + other.potential_energy,
+            virial: self.virial + other.virial,
+            laplacian: self.laplacian + other.laplacian,
+        }
+    }
 }
 
 /// Potential energy, virial and Laplacian at the positions of the contacts.
@@ -32,11 +45,7 @@ pub fn pair_sums(list: &NeighborList, interactions: &Interactions, workers: Work
         }
         sums
     });
-    parts.into_iter().fold(PairSums::default(), |a, b| PairSums {
-        potential_energy: a.potential_energy + b.potential_energy,
-        virial: a.virial + b.virial,
-        laplacian: a.laplacian + b.laplacian,
-    })
+    parts.into_iter().fold(PairSums::default(), PairSums::add)
 }
 
 /// G·(friction force) = −Σ_pairs Γ(r) (e·v_ij) e·(G_i − G_j) for a response G given in storage order.

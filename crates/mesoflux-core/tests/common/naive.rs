@@ -1,6 +1,7 @@
 //! Naive references: particles in the order of their ids, all pairs, minimum image, no list.
 
 use super::{by_id, unwrapped};
+use mesoflux_core::bond::{Bond, Topology};
 use mesoflux_core::domain::Workers;
 use mesoflux_core::forcing::ForcingField;
 use mesoflux_core::integrate::Schedule;
@@ -15,6 +16,9 @@ use mesoflux_core::vector::{Vector, ZERO, add_scaled, dot, subtract};
 pub struct Naive {
     pub sides: Vector,
     pub interactions: Interactions,
+    pub topology: Topology,
+    /// How many bonds lie between every two particles.
+    pub apart: Vec<Vec<u32>>,
     pub temperature: f64,
     pub species: Vec<u8>,
     pub mass: Vec<f64>,
@@ -23,12 +27,33 @@ pub struct Naive {
     pub step: u64,
 }
 
+/// The number of bonds on the shortest way between every two particles (Floyd and Warshall).
+fn bonds_apart(topology: &Topology, count: usize) -> Vec<Vec<u32>> {
+    let mut apart = vec![vec![u32::MAX / 4; count]; count];
+    for bond in topology.bonds() {
+        let (i, j) = (bond.first as usize, bond.second as usize);
+        (apart[i][j], apart[j][i]) = (1, 1);
+    }
+    if !topology.bonds().is_empty() {
+        for k in 0..count {
+            for i in 0..count {
+                for j in 0..count {
+                    apart[i][j] = apart[i][j].min(apart[i][k] + apart[k][j]);
+                }
+            }
+        }
+    }
+    apart
+}
+
 impl Naive {
     pub fn of(system: &System) -> Self {
         let particles = &system.particles;
         Self {
             sides: system.region.sides(),
             interactions: system.interactions.clone(),
+            topology: system.topology().clone(),
+            apart: bonds_apart(system.topology(), particles.count()),
             temperature: 1.0,
             species: by_id(particles, &particles.species),
             mass: by_id(particles, &particles.inverse_mass).iter().map(|w| 1.0 / w).collect(),
@@ -47,6 +72,9 @@ impl Naive {
     }
 
     fn strength(&self, i: usize, j: usize, r: f64) -> f64 {
+        if self.apart[i][j] <= u32::from(self.topology.range().friction) {
+            return 0.0;
+        }
         let law = self.interactions.frictions.get(self.species[i], self.species[j]);
         law.map_or(0.0, |law| law.strength(r))
     }
@@ -58,7 +86,12 @@ impl Naive {
             for j in (0..self.q.len()).filter(|&j| j != i) {
                 let (r, e) = self.separation(i, j);
                 let law = self.interactions.potentials.get(self.species[i], self.species[j]);
-                let f = law.map_or(0.0, |law| law.force(r));
+                let felt = self.apart[i][j] > u32::from(self.topology.range().potential);
+                let mut f = law.filter(|_| felt).map_or(0.0, |law| law.force(r));
+                let joins = |bond: &&Bond| [(i, j), (j, i)].contains(&(bond.first as usize, bond.second as usize));
+                if let Some(bond) = self.topology.bonds().iter().find(joins) {
+                    f += self.topology.laws()[usize::from(bond.law)].force(r);
+                }
                 add_scaled(&mut force[i], f, e);
                 magnitude[i] += f.abs();
             }
