@@ -65,6 +65,17 @@ impl Blocking {
         self
     }
 
+    /// Whether `state` can be what this accumulator once was or will be: of the same kind, its parts fitting together.
+    ///
+    /// For states from files: using one that doesn't fit may panic.
+    pub fn accepts(&self, state: &Self) -> bool {
+        state.components == self.components
+            && state.minimum_block_length == self.minimum_block_length
+            && (state.shift.len() == self.components || state.shift.is_empty() && state.levels.is_empty())
+            && state.levels.len() <= f64::MANTISSA_DIGITS as usize + 1
+            && state.levels.iter().all(|level| level.is_consistent(self.components))
+    }
+
     /// Number of components of a vector.
     pub fn components(&self) -> usize {
         self.components
@@ -139,6 +150,23 @@ mod tests {
             blocking.record(&[value]).unwrap();
         }
         blocking
+    }
+
+    #[test]
+    fn a_state_of_another_kind_or_with_missing_parts_is_not_accepted() {
+        let good = recorded(&[3.0, 1.0, 4.0]);
+        assert!(Blocking::new(1).unwrap().accepts(&good) && good.accepts(&Blocking::new(1).unwrap()));
+        assert!(!Blocking::new(2).unwrap().accepts(&good));
+        assert!(!Blocking::new(1).unwrap().with_minimum_block_length(2).accepts(&good));
+        let mut bad = good.clone();
+        bad.shift.clear();
+        assert!(!good.accepts(&bad));
+        let mut bad = good.clone();
+        bad.levels[1] = Level::new(2);
+        assert!(!good.accepts(&bad));
+        let mut bad = good.clone();
+        bad.levels[0].blocks = 0;
+        assert!(!good.accepts(&bad), "fewer blocks than series");
     }
 
     #[test]

@@ -49,6 +49,19 @@ impl Level {
         }
     }
 
+    /// Whether sums and counts fit together for this many components.
+    pub(crate) fn is_consistent(&self, components: usize) -> bool {
+        let triangle = components * (components + 1) / 2;
+        // So many blocks as still are whole numbers; nobody records more.
+        self.series <= self.blocks
+            && self.blocks < 1 << f64::MANTISSA_DIGITS
+            && self.sum.len() == components
+            && self.edges.len() == components
+            && self.products.len() == triangle
+            && self.lag_products.len() == triangle
+            && (self.last.is_empty() || self.last.len() == components)
+    }
+
     /// Takes a block. If it completes a pair, leaves the pair's mean in `block` and returns true.
     pub(crate) fn push(&mut self, block: &mut Vec<f64>) -> bool {
         self.blocks += 1;

@@ -75,6 +75,19 @@ impl MeanSquaredDisplacement {
         Ok(self)
     }
 
+    /// Whether `state` can be what this accumulator once was or will be: of the same kind, its parts fitting together.
+    ///
+    /// For states from files: using one that doesn't fit may panic.
+    pub fn accepts(&self, state: &Self) -> bool {
+        state.particles == self.particles
+            && state.lags == self.lags
+            && state.spacing == self.spacing
+            && state.drift_removed == self.drift_removed
+            && state.history.len() <= self.lags
+            && state.history.iter().all(|configuration| configuration.len() == self.particles)
+            && self.displacements.accepts(&state.displacements)
+    }
+
     /// Number of time differences.
     pub fn lags(&self) -> usize {
         self.lags
@@ -198,6 +211,20 @@ mod tests {
         }
         first.merge(&second).unwrap();
         assert_eq!((first.origins(), first.curve()[2].1.value), (12, Some(9.0)));
+    }
+
+    #[test]
+    fn a_state_of_another_kind_or_with_missing_parts_is_not_accepted() {
+        let new = |particles, lags, spacing| MeanSquaredDisplacement::new(particles, lags, spacing).unwrap();
+        let mut good = new(2, 3, 1.0);
+        good.record(&[[0.0; 3]; 2]).unwrap();
+        assert!(new(2, 3, 1.0).accepts(&good));
+        for other in [new(3, 3, 1.0), new(2, 4, 1.0), new(2, 3, 2.0), new(2, 3, 1.0).remove_drift().unwrap()] {
+            assert!(!other.accepts(&good));
+        }
+        let mut bad = good.clone();
+        bad.history[0].pop();
+        assert!(!good.accepts(&bad));
     }
 
     #[test]

@@ -83,10 +83,16 @@ impl Simulation {
     /// A snapshot that doesn't fit.
     pub fn restore(&mut self, snapshot: SimulationSnapshot) -> Result<(), SnapshotError> {
         self.system.restore(snapshot.system)?;
-        if let Integrator::VelocityVerlet(scheme) = &mut self.integrator {
-            scheme.resume(snapshot.velocity_verlet);
+        match (&mut self.integrator, snapshot.velocity_verlet) {
+            (Integrator::VelocityVerlet(scheme), columns)
+                if columns.is_none_or(|c| c.are_in(&self.system.particles)) =>
+            {
+                scheme.resume(columns);
+                Ok(())
+            }
+            (Integrator::Splitting(_), None) => Ok(()),
+            _ => Err(SnapshotError::Inconsistent),
         }
-        Ok(())
     }
 
     /// One time step.

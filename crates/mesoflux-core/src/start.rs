@@ -192,9 +192,10 @@ fn limited_forces(system: &mut System, limit: f64, force: &mut Vec<Vector>) {
         for k in 0..contacts.count() {
             if let Some(law) = &interactions.potentials.entries()[contacts.kind(k)] {
                 let (i, j, r) = (contacts.first[k] as usize, contacts.second[k] as usize, contacts.distance[k]);
-                // Two particles in one place have no direction of their own.
+                // Two particles in one place have no direction of their own, nor every law a force there.
                 let e = if r > 0.0 { contacts.direction[k] } else { [1.0, 0.0, 0.0] };
-                let magnitude = law.force(r).clamp(-limit, limit);
+                let force_of_law = law.force(r);
+                let magnitude = if force_of_law.is_nan() { limit } else { force_of_law.clamp(-limit, limit) };
                 add_scaled(&mut force[i], magnitude, e);
                 add_scaled(&mut force[j], -magnitude, e);
             }

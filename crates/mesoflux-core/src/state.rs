@@ -118,6 +118,20 @@ impl Particles {
             && columns.flatten().flatten().all(|number| number.is_finite())
     }
 
+    /// Whether each id has the species and the mass that it has in `other`, whatever the order; both must be consistent.
+    pub(crate) fn are_the_same_as(&self, other: &Self) -> bool {
+        let mut known = vec![(0, 0.0); other.count()];
+        for k in 0..other.count() {
+            known[other.id[k] as usize] = (other.species[k], other.inverse_mass[k]);
+        }
+        (0..self.count()).all(|k| known[self.id[k] as usize] == (self.species[k], self.inverse_mass[k]))
+    }
+
+    /// Whether this column is registered.
+    pub(crate) fn has_column(&self, column: Column) -> bool {
+        column.0 < self.columns.len()
+    }
+
     /// Σ p.
     pub fn total_momentum(&self, workers: Workers) -> Vector {
         std::array::from_fn(|axis| workers.sum(self.count(), |k| self.momentum[k][axis]))

@@ -94,7 +94,7 @@ pub struct Snapshot {
 /// A snapshot that does not fit the system.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SnapshotError {
-    /// Wrong lengths, ids, species, or numbers that are none.
+    /// Wrong lengths, ids, species or masses, numbers that are none, or places where no particle can have come.
     #[error("the particles of the snapshot are not consistent")]
     Inconsistent,
     /// Another number of particles.
@@ -149,9 +149,14 @@ impl System {
         if snapshot.bonds != self.topology.bonds() {
             return Err(SnapshotError::Bonds);
         }
-        let finite = snapshot.reference.iter().flatten().all(|x| x.is_finite());
+        // The list was built from wrapped positions: others would be wrapped again, and none may be wrapped twice.
+        let inside = |x: &Vector| x.iter().zip(sides).all(|(x, side)| (0.0..side).contains(x));
         let species = self.interactions.potentials.species();
-        if !finite || snapshot.reference.len() != expected || !snapshot.particles.is_consistent(species) {
+        if snapshot.reference.len() != expected
+            || !snapshot.reference.iter().all(inside)
+            || !snapshot.particles.is_consistent(species)
+            || !snapshot.particles.are_the_same_as(&self.particles)
+        {
             return Err(SnapshotError::Inconsistent);
         }
         // Built where it was built before, the list is the same to the last pair; then everybody goes where they have come since.
@@ -164,6 +169,9 @@ impl System {
             return Err(SnapshotError::Order);
         }
         self.particles.position = position;
+        if self.list.is_spent(&self.particles, self.workers) {
+            return Err(SnapshotError::Inconsistent);
+        }
         self.step = snapshot.step;
         Ok(())
     }

@@ -30,6 +30,13 @@ pub enum CheckpointError {
         /// What gave it away.
         reason: String,
     },
+    /// There are files, and none is whole.
+    #[error("{}; no whole state of this run is left: delete what there is of it to begin this run again (the others go on from theirs)", list(.0))]
+    NoneWhole(Vec<CheckpointError>),
+}
+
+fn list(errors: &[CheckpointError]) -> String {
+    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// The two checkpoint files of one run.
@@ -41,9 +48,11 @@ pub struct CheckpointFiles {
 
 /// What was found of a run.
 #[derive(Debug)]
-pub struct Found {
-    /// The newer of the whole states.
-    pub state: Vec<u8>,
+pub struct Found<T> {
+    /// The newest whole state.
+    pub state: T,
+    /// The file it came from.
+    pub path: PathBuf,
     /// Files that were passed over, and why.
     pub damaged: Vec<CheckpointError>,
 }
@@ -64,50 +73,56 @@ impl CheckpointFiles {
         Ok(())
     }
 
-    /// Reads the newest whole state, by `age` of the two; `None` where there are no files.
+    /// Reads the newest whole state; `None` where there are no files.
     ///
-    /// The next state is written over the other file.
+    /// `age` tells from the bytes which of the two is newer, `decode` makes a state of them; either may refuse, and
+    /// the other file is then taken. The next state is written over the file that was not taken.
     ///
     /// # Errors
     /// Files of which none is whole.
-    pub fn read(
+    pub fn read<T>(
         &mut self,
         directory: &Path,
-        age: impl Fn(&[u8]) -> Option<u64>,
-    ) -> Result<Option<Found>, CheckpointError> {
-        let mut best: Option<(u64, usize, Vec<u8>)> = None;
+        age: impl Fn(&[u8]) -> Result<u64, String>,
+        decode: impl Fn(&[u8]) -> Result<T, String>,
+    ) -> Result<Option<Found<T>>, CheckpointError> {
+        let mut whole = Vec::new();
         let mut damaged = Vec::new();
         for (place, name) in self.names.iter().enumerate() {
-            let path = directory.join(name);
-            if !path.exists() {
-                continue;
-            }
-            match read_file(&path, &age) {
-                Ok((age, state)) if best.as_ref().is_none_or(|(older, ..)| *older < age) => {
-                    best = Some((age, place, state));
-                }
-                Ok(_) => {}
+            match read_file(&directory.join(name), &age) {
+                Ok(Some((age, contents))) => whole.push((age, place, contents)),
+                Ok(None) => {}
                 Err(error) => damaged.push(error),
             }
         }
-        match (best, damaged.is_empty()) {
-            (Some((_, place, state)), _) => {
-                self.next = 1 - place;
-                Ok(Some(Found { state, damaged }))
+        whole.sort_by_key(|(age, ..)| std::cmp::Reverse(*age));
+        for (_, place, contents) in whole {
+            let path = directory.join(&self.names[place]);
+            match decode(&contents[HEADER..]) {
+                Ok(state) => {
+                    self.next = 1 - place;
+                    return Ok(Some(Found { state, path, damaged }));
+                }
+                Err(reason) => damaged.push(CheckpointError::Damaged { path: path.display().to_string(), reason }),
             }
-            (None, true) => Ok(None),
-            (None, false) => Err(damaged.swap_remove(0)),
         }
+        if damaged.is_empty() { Ok(None) } else { Err(CheckpointError::NoneWhole(damaged)) }
     }
 }
 
-fn read_file(path: &PathBuf, age: impl Fn(&[u8]) -> Option<u64>) -> Result<(u64, Vec<u8>), CheckpointError> {
+/// The contents of a whole file and the age of the state in it; `None` where there is no file.
+fn read_file(
+    path: &Path,
+    age: impl Fn(&[u8]) -> Result<u64, String>,
+) -> Result<Option<(u64, Vec<u8>)>, CheckpointError> {
     let name = || path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|source| CheckpointError::Read { path: name(), source })?;
-    let damaged = |reason: String| CheckpointError::Damaged { path: name(), reason };
-    let state = decode(&bytes).map_err(damaged)?;
-    let age = age(state).ok_or_else(|| damaged("the state in it is of another version of the program".to_owned()))?;
-    Ok((age, state.to_vec()))
+    let contents = match std::fs::read(path) {
+        Ok(contents) => contents,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(source) => return Err(CheckpointError::Read { path: name(), source }),
+    };
+    let age = decode(&contents).and_then(age).map_err(|reason| CheckpointError::Damaged { path: name(), reason })?;
+    Ok(Some((age, contents)))
 }
 
 /// A state as the contents of a file.
@@ -146,8 +161,20 @@ pub fn decode(bytes: &[u8]) -> Result<&[u8], String> {
 mod tests {
     use super::*;
 
-    fn age(state: &[u8]) -> Option<u64> {
-        Some(u64::from_le_bytes(*state.first_chunk()?))
+    fn read(
+        files: &mut CheckpointFiles,
+        directory: &OutputDirectory,
+    ) -> Result<Option<Found<Vec<u8>>>, CheckpointError> {
+        let age = |state: &[u8]| state.first_chunk().map(|step| u64::from_le_bytes(*step)).ok_or("short".to_owned());
+        let decode =
+            |state: &[u8]| if state.len() == 8 { Ok(state.to_vec()) } else { Err("has another length".to_owned()) };
+        files.read(directory.path(), age, decode)
+    }
+
+    fn flip_a_bit(path: &Path) {
+        let mut bytes = std::fs::read(path).unwrap();
+        *bytes.last_mut().unwrap() ^= 4;
+        std::fs::write(path, bytes).unwrap();
     }
 
     #[test]
@@ -155,24 +182,50 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let directory = OutputDirectory::explicit(&parent.path().join("state"), false).unwrap();
         let mut files = CheckpointFiles::new("run");
-        assert!(files.read(directory.path(), age).unwrap().is_none());
+        assert!(read(&mut files, &directory).unwrap().is_none());
         for step in 1u64..=5 {
             files.write(&directory, &step.to_le_bytes()).unwrap();
         }
-        let newest = CheckpointFiles::new("run").read(directory.path(), age).unwrap().unwrap();
+        let newest = read(&mut CheckpointFiles::new("run"), &directory).unwrap().unwrap();
         assert_eq!(newest.state, 5u64.to_le_bytes());
         // The fifth state went over the third, into the first file.
-        let path = directory.path().join("run.a.checkpoint");
-        let mut bytes = std::fs::read(&path).unwrap();
-        *bytes.last_mut().unwrap() ^= 4;
-        std::fs::write(&path, bytes).unwrap();
+        flip_a_bit(&directory.path().join("run.a.checkpoint"));
         let mut files = CheckpointFiles::new("run");
-        let reserve = files.read(directory.path(), age).unwrap().unwrap();
+        let reserve = read(&mut files, &directory).unwrap().unwrap();
         assert_eq!((reserve.state, reserve.damaged.len()), (4u64.to_le_bytes().to_vec(), 1));
+        assert!(reserve.path.ends_with("run.b.checkpoint"));
         // What comes next replaces the damaged file, not the whole one.
         files.write(&directory, &6u64.to_le_bytes()).unwrap();
-        let both = CheckpointFiles::new("run").read(directory.path(), age).unwrap().unwrap();
+        let both = read(&mut CheckpointFiles::new("run"), &directory).unwrap().unwrap();
         assert_eq!((both.state, both.damaged.len()), (6u64.to_le_bytes().to_vec(), 0));
+    }
+
+    #[test]
+    fn a_newer_state_that_can_t_be_understood_is_passed_over() {
+        let parent = tempfile::tempdir().unwrap();
+        let directory = OutputDirectory::explicit(&parent.path().join("state"), false).unwrap();
+        let mut files = CheckpointFiles::new("run");
+        files.write(&directory, &1u64.to_le_bytes()).unwrap();
+        files.write(&directory, &[9; 20]).unwrap();
+        let found = read(&mut files, &directory).unwrap().unwrap();
+        assert_eq!((found.state, found.damaged.len()), (1u64.to_le_bytes().to_vec(), 1));
+    }
+
+    #[test]
+    fn where_no_file_is_whole_all_are_named() {
+        let parent = tempfile::tempdir().unwrap();
+        let directory = OutputDirectory::explicit(&parent.path().join("state"), false).unwrap();
+        let mut files = CheckpointFiles::new("run");
+        for step in 1u64..=2 {
+            files.write(&directory, &step.to_le_bytes()).unwrap();
+        }
+        for name in ["run.a.checkpoint", "run.b.checkpoint"] {
+            flip_a_bit(&directory.path().join(name));
+        }
+        let message = read(&mut files, &directory).unwrap_err().to_string();
+        for part in ["state/run.a.checkpoint: has the checksum", "state/run.b.checkpoint: has the checksum", "delete"] {
+            assert!(message.contains(part), "no {part:?} in {message}");
+        }
     }
 
     #[test]

@@ -28,11 +28,11 @@ pub struct Results {
     pub complete: bool,
     /// The set of kernels; results of one set are the same to the bit.
     pub kernel: &'static str,
-    /// Wall time of the runs.
+    /// Wall time of the session that wrote this; a run that was interrupted has had others.
     pub wall_seconds: f64,
-    /// Particles times steps, summed over all runs, equilibration included.
+    /// Particles times steps done, summed over all runs and sessions, equilibration included.
     pub particle_steps: f64,
-    /// The same per second of wall time.
+    /// Those of this session per second of its wall time.
     pub particle_steps_per_second: f64,
     /// Every run.
     pub runs: Vec<RunRecord>,
@@ -66,10 +66,13 @@ pub struct RunRecord {
     pub replica: u64,
     /// N.
     pub particles: u64,
-    /// Steps of production.
+    /// Steps of production done.
     pub steps: u64,
     /// The kinetic temperature averaged over production.
     pub temperature: Option<f64>,
+    /// What a reader must know of how it went, such as a damaged checkpoint that was passed over.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
 }
 
 /// One estimate.
@@ -87,7 +90,7 @@ pub struct EstimateRecord {
     pub standard_error: Option<f64>,
     /// How many independent samples the error stands on.
     pub effective_samples: f64,
-    /// What it cost: particles times steps, equilibration included. Runs that several estimates share count for each.
+    /// What it has cost: particles times steps, equilibration included. Runs that several estimates share count for each.
     pub particle_steps: f64,
     /// Under which conditions: the sweep's values, the driving, what was measured beside.
     pub conditions: Conditions,

@@ -6,8 +6,8 @@
 
 mod common;
 
-use common::{bare_name, input_files};
-use mesoflux_io::input::InputFile;
+use common::{bare_name, directory, input_files};
+use mesoflux_io::input::{Files, InputFile};
 
 /// The message that a text expects.
 fn expected(text: &str) -> String {
@@ -26,7 +26,7 @@ fn expecting(text: &str, message: &str) -> String {
 
 /// What a user reads.
 fn message(name: &str, text: &str) -> String {
-    match InputFile::parse(name, text, &[]) {
+    match InputFile::parse(name, text, &[], Files::beside(&directory("bad"))) {
         Err(error) => error.to_string(),
         Ok(_) => "the input is accepted".to_owned(),
     }

@@ -5,8 +5,8 @@
 
 mod common;
 
-use common::{bare_name, input_files};
-use mesoflux_io::input::{Input, InputFile};
+use common::{bare_name, directory, input_files};
+use mesoflux_io::input::{Files, Input, InputFile};
 use std::collections::BTreeMap;
 
 fn read(name: &str) -> InputFile {
@@ -81,6 +81,56 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
             },
         ),
         ("constant_energy.toml", Derived { word: Some("BAB"), ..one }),
+        (
+            "polymer.toml",
+            Derived {
+                particles: 600,
+                counts: &[30, 70, 500],
+                masses: &[1.0, 1.5, 1.0],
+                sides: cube(200.0),
+                density: 3.0,
+                cutoff: 1.0,
+                skin: 0.3,
+                ..one
+            },
+        ),
+        (
+            "from_lammps_data.toml",
+            Derived {
+                particles: 66,
+                counts: &[6, 60],
+                masses: &[2.5, 1.0],
+                sides: [4.0; 3],
+                density: 66.0 / 64.0,
+                cutoff: 1.0,
+                skin: 0.3,
+                ..one
+            },
+        ),
+        (
+            "from_extended_xyz.toml",
+            Derived {
+                particles: 100,
+                counts: &[100],
+                sides: [3.2; 3],
+                density: 100.0 / 32.768,
+                cutoff: 1.0,
+                skin: 0.3,
+                ..one
+            },
+        ),
+        (
+            "molecules_in_file.toml",
+            Derived {
+                particles: 100,
+                counts: &[100],
+                sides: [3.2; 3],
+                density: 100.0 / 32.768,
+                cutoff: 1.0,
+                skin: 0.3,
+                ..one
+            },
+        ),
         ("sweep.toml", Derived { sides: cube(500.0 / 3.0), density: 3.0, cutoff: 1.0, skin: 0.3, ..one }),
     ];
     assert_eq!(expected.len(), input_files("good").len(), "every good input has its derived values here");
@@ -143,7 +193,8 @@ fn an_override_holds_in_both_orders_and_leaves_the_rest() {
 /// The input of an input with its defaults, written out and read again.
 fn said_back(input: &Input) -> InputFile {
     let text = toml::to_string(&input.with_defaults()).unwrap();
-    InputFile::parse("said back", &text, &[]).unwrap_or_else(|error| panic!("{error}"))
+    InputFile::parse("said back", &text, &[], Files::beside(&directory("good")))
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -179,11 +230,14 @@ fn a_sweep_gives_every_combination_with_the_last_key_fastest() {
     assert_eq!(found, expected);
 }
 
+/// The tables whose keys are names of the user's choice.
+const NAMED: [&str; 5] = ["species", "pair", "measure", "bond", "molecule"];
+
 /// The keys of every table, as paths in which names of the user's choice are `*`.
 fn tables(prefix: &str, table: &toml::Table, found: &mut BTreeMap<String, Vec<String>>) {
     found.entry(prefix.to_owned()).or_default().extend(table.keys().cloned());
     for (key, value) in table {
-        let named = ["species", "pair", "measure"].contains(&prefix);
+        let named = NAMED.contains(&prefix);
         let key = if named { "*" } else { key };
         let path = if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") };
         if let Some(inner) = value.as_table().filter(|_| path != "sweep") {
@@ -205,11 +259,13 @@ fn the_good_inputs_cover_every_key() {
         for place in concrete {
             // The answer to a key that can't be names those that can.
             let setting = format!("{place}no_such_key=1").parse().unwrap();
-            let message = InputFile::parse("probe", &text, &[setting]).unwrap_err().to_string();
+            let message = InputFile::parse("probe", &text, &[setting], Files::beside(&directory("good")))
+                .unwrap_err()
+                .to_string();
             let title = message.lines().next().unwrap_or_default();
             let names = title.split("must be").nth(1).unwrap_or_default();
             let mut table: Vec<&str> = place.split_terminator('.').collect();
-            if table.len() > 1 && ["species", "pair", "measure"].contains(&table[0]) {
+            if table.len() > 1 && NAMED.contains(&table[0]) {
                 table[1] = "*";
             }
             known.entry(table.join(".")).or_default().extend(names.split('`').skip(1).step_by(2).map(str::to_owned));
@@ -225,9 +281,11 @@ fn the_good_inputs_cover_every_key() {
 
 /// The tables of an input to which a key could be added, each with a dot at its end.
 fn probes(prefix: &str, table: &toml::Table, found: &mut Vec<String>) {
-    let open = ["species.", "pair.", "measure.", "sweep."].contains(&prefix);
+    let named = prefix.strip_suffix('.').is_some_and(|name| NAMED.contains(&name));
+    let translation = prefix.starts_with("system.start.") && prefix.matches('.').count() == 4;
+    let open = named || translation || prefix == "sweep.";
     // A law is chosen by its only key.
-    let choice = prefix.ends_with("potential.") || prefix.ends_with("friction.");
+    let choice = ["potential.", "friction.", "start."].iter().any(|end| prefix.ends_with(end));
     if !open && !choice {
         found.push(prefix.to_owned());
     }

@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::input_files;
-use mesoflux_io::input::{InputError, InputFile};
+use common::{directory, input_files};
+use mesoflux_io::input::{Files, InputError, InputFile};
 
 const MUTATIONS: usize = 1000;
 
@@ -83,13 +83,16 @@ fn mutated_inputs_are_read_or_refused_with_a_message() {
                 text = mutate(&text, &mut random);
             }
         }
-        let outcome = std::panic::catch_unwind(|| InputFile::parse("mutated.toml", &text, &[]));
+        let outcome = std::panic::catch_unwind(|| {
+            InputFile::parse("mutated.toml", &text, &[], Files::beside(&directory("good")))
+        });
         match outcome.unwrap_or_else(|_| panic!("the reader panics at\n{text}")) {
             Ok(_) => accepted += 1,
             Err(InputError::Wrong(message)) => {
                 assert!(message.starts_with("error: ") && message.len() > 20, "{message:?} for\n{text}");
             }
-            Err(other) => panic!("{other} for\n{text}"),
+            // A mutated name is that of no file.
+            Err(error) => assert!(error.to_string().contains("named by system.start."), "{error} for\n{text}"),
         }
     }
     // Both ends of the road are walked.

@@ -2,7 +2,7 @@
 
 use crate::figure::Profile;
 use crate::job::{Finished, JobError, merged_records};
-use crate::plan::{Measurement, Plan, PointPlan};
+use crate::plan::{Measurement, Plan, PointPlan, Task};
 use mesoflux_analysis::Estimate;
 use mesoflux_io::input::Input;
 use mesoflux_io::results::{Comparison, EstimateRecord, Results, RunRecord, SCHEMA, csv};
@@ -45,6 +45,8 @@ pub fn answer(
         for (place, measurement) in point.measurements.iter().enumerate() {
             let failed = |source| JobError::Route { place: format!("measure.{}", measurement.name), source };
             let mut record = blank(point, measurement);
+            record.particle_steps =
+                cost(plan, finished, |task| task.point == index && measurement.runs.contains(&task.run));
             if let Some(records) = merged_records(plan, finished, index, place).map_err(failed)? {
                 let outcome = measurement.route.estimate(&point.input, &records).map_err(failed)?;
                 record.take(&outcome.estimate);
@@ -65,7 +67,8 @@ pub fn answer(
         }
         comparisons.extend(compare(point, &estimates[first..]));
     }
-    let particle_steps = plan.points.iter().map(|point| cost(point, point.runs.len())).sum();
+    let particle_steps = cost(plan, finished, |_| true);
+    let before: f64 = finished.iter().map(|run| particles(plan, run) * run.steps_before as f64).sum();
     let results = Results {
         schema: SCHEMA,
         mesoflux: env!("CARGO_PKG_VERSION"),
@@ -76,7 +79,7 @@ pub fn answer(
         kernel: mesoflux_core::pair::KERNEL,
         wall_seconds: circumstances.wall_seconds,
         particle_steps,
-        particle_steps_per_second: particle_steps / circumstances.wall_seconds.max(1e-9),
+        particle_steps_per_second: (particle_steps - before) / circumstances.wall_seconds.max(1e-9),
         runs: finished.iter().map(|finished| run_record(plan, finished)).collect(),
         estimates,
         comparisons,
@@ -84,9 +87,13 @@ pub fn answer(
     Ok(Answer { results, files })
 }
 
-/// Particles times steps of some runs of a point, all replicas, equilibration included.
-fn cost(point: &PointPlan, runs: usize) -> f64 {
-    runs as f64 * point.input.run.replicas as f64 * point.input.particles() as f64 * point.steps() as f64
+/// Particles times steps that some runs have done, all replicas, equilibration included.
+fn cost(plan: &Plan, finished: &[Finished], counts: impl Fn(Task) -> bool) -> f64 {
+    finished.iter().filter(|run| counts(run.task)).map(|run| particles(plan, run) * run.steps as f64).sum()
+}
+
+fn particles(plan: &Plan, run: &Finished) -> f64 {
+    plan.points[run.task.point].input.particles() as f64
 }
 
 fn blank(point: &PointPlan, measurement: &Measurement) -> EstimateRecord {
@@ -97,7 +104,7 @@ fn blank(point: &PointPlan, measurement: &Measurement) -> EstimateRecord {
         value: None,
         standard_error: None,
         effective_samples: 0.0,
-        particle_steps: cost(point, measurement.runs.len()),
+        particle_steps: 0.0,
         conditions: point.conditions.clone(),
         warnings: Vec::new(),
         table: None,
@@ -114,8 +121,9 @@ fn run_record(plan: &Plan, finished: &Finished) -> RunRecord {
         point: conditions,
         replica: finished.task.replica,
         particles: point.input.particles(),
-        steps: point.input.steps(point.input.run.production_time),
+        steps: finished.steps.saturating_sub(point.input.steps(point.input.run.equilibration_time)),
         temperature: finished.temperature,
+        remarks: finished.remarks.clone(),
     }
 }
 

@@ -4,10 +4,11 @@ use crate::plan::{Plan, PointPlan, Task};
 use crate::progress::Progress;
 use crate::route::{Record, RouteError, RouteRecorder, thermometer};
 use crate::setup::simulation;
-use crate::store::{RunState, Store, StoreError};
+use crate::store::{Kept, LastKept, RunState, Store, StoreError};
 use mesoflux_core::domain::Workers;
-use mesoflux_core::run::{Ending, Length, run};
+use mesoflux_core::run::{Length, run};
 use mesoflux_core::simulation::Simulation;
+use mesoflux_core::start::Overlap;
 use mesoflux_core::system::{SimulationError, SnapshotError};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,6 +24,14 @@ pub enum JobError {
         place: String,
         /// How it failed.
         source: SimulationError,
+    },
+    /// Particles overlap at the start.
+    #[error("{place}: {source}; with relax = true a start from a file moves overlapping particles apart")]
+    Overlap {
+        /// Which run.
+        place: String,
+        /// Which particles.
+        source: Box<Overlap>,
     },
     /// A simulation can't be set up; the input should have been refused.
     #[error("{place}: {reason}")]
@@ -48,11 +57,27 @@ pub enum JobError {
         /// Why.
         source: StoreError,
     },
+    /// A recorder refused its state.
+    #[error(
+        "{place}: {file}: {source}; delete it to go on from the state before it, if there is one, or else to begin this run again"
+    )]
+    Recorder {
+        /// Which run.
+        place: String,
+        /// The file that holds the state.
+        file: String,
+        /// Why.
+        source: RouteError,
+    },
     /// A state of another input.
-    #[error("{place}: {source}")]
+    #[error(
+        "{place}: {file}: {source}; delete it to go on from the state before it, if there is one, or else to begin this run again"
+    )]
     Snapshot {
         /// Which run.
         place: String,
+        /// The file that holds the state.
+        file: String,
         /// Why.
         source: SnapshotError,
     },
@@ -70,6 +95,8 @@ pub struct Finished {
     pub complete: bool,
     /// Steps done, equilibration included.
     pub steps: u64,
+    /// How many of them earlier sessions did.
+    pub steps_before: u64,
     /// A record for each measurement of the point that uses the run, by the measurement's place.
     pub records: Vec<(usize, Record)>,
     /// The kinetic temperature averaged over production.
@@ -103,22 +130,65 @@ const SMALL_SYSTEM: u64 = 4000;
 pub fn perform(plan: &Plan, conduct: &Conduct) -> Result<Vec<Finished>, JobError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(conduct.threads).build()?;
     let tasks = plan.tasks();
-    let largest = plan.points.iter().map(|point| point.input.particles()).max().unwrap_or(0);
     let failed = AtomicBool::new(false);
     let attempt = |task: &Task, workers: Workers| {
         let finished = perform_task(plan, *task, workers, conduct, &failed);
         failed.fetch_or(finished.is_err(), Ordering::Relaxed);
         finished
     };
-    // Side by side when there are runs enough or each is too small to split; else one after the other, each on all threads.
     pool.install(|| {
-        if tasks.len() >= conduct.threads || largest < SMALL_SYSTEM {
+        if side_by_side(plan, conduct.threads) {
             let finished: Vec<_> = tasks.par_iter().with_max_len(1).map(|task| attempt(task, Workers::One)).collect();
             finished.into_iter().collect()
         } else {
             tasks.iter().map(|task| attempt(task, Workers::Pool)).collect()
         }
     })
+}
+
+/// Runs go side by side when there are enough of them or each is too small to split; else one after the other, each on all
+/// threads.
+pub(crate) fn side_by_side(plan: &Plan, threads: usize) -> bool {
+    let largest = plan.points.iter().map(|point| point.input.particles()).max().unwrap_or(0);
+    plan.tasks().len() >= threads || largest < SMALL_SYSTEM
+}
+
+/// What records a run: the measurements that use it, by their places, and a recorder for each; the thermometer last.
+struct Recording {
+    users: Vec<usize>,
+    recorders: Vec<Box<dyn RouteRecorder>>,
+}
+
+impl Recording {
+    fn new(point: &PointPlan, task: Task, place: &str) -> Result<Self, JobError> {
+        let refused = |source: RouteError| JobError::Route { place: place.to_owned(), source };
+        let users: Vec<usize> = point.users(task.run).collect();
+        let route = |&user: &usize| point.measurements[user].route.recorder(&point.input);
+        let mut recorders = users.iter().map(route).collect::<Result<Vec<_>, _>>().map_err(refused)?;
+        recorders.push(thermometer(&point.input).map_err(refused)?);
+        Ok(Self { users, recorders })
+    }
+}
+
+/// A run at its start with its recorders, on its own.
+pub(crate) struct Prepared {
+    pub place: String,
+    pub simulation: Simulation,
+    pub recorders: Vec<Box<dyn RouteRecorder>>,
+}
+
+impl Prepared {
+    pub(crate) fn new(point: &PointPlan, task: Task, workers: Workers) -> Result<Self, JobError> {
+        let place = place(point, task);
+        let recorders = Recording::new(point, task, &place)?.recorders;
+        Ok(Self { simulation: simulation(point, task, workers, &place)?, recorders, place })
+    }
+}
+
+/// The whole state of a run.
+pub(crate) fn state_of(simulation: &Simulation, recorders: &[Box<dyn RouteRecorder>]) -> Result<RunState, RouteError> {
+    let recorders = recorders.iter().map(|recorder| recorder.save()).collect::<Result<_, _>>()?;
+    Ok(RunState { simulation: simulation.snapshot(), recorders })
 }
 
 fn perform_task(
@@ -133,68 +203,95 @@ fn perform_task(
     let place = place(point, task);
     let refused = |source: RouteError| JobError::Route { place: place.clone(), source };
     let unkept = |source: StoreError| JobError::Store { place: place.clone(), source };
-    let mut simulation = simulation(point, task, workers, &place)?;
-    let users: Vec<usize> =
-        (0..point.measurements.len()).filter(|&k| point.measurements[k].runs.contains(&task.run)).collect();
-    let mut recorders: Vec<Box<dyn RouteRecorder>> = Vec::new();
-    for &user in &users {
-        recorders.push(point.measurements[user].route.recorder(input).map_err(refused)?);
-    }
-    recorders.push(thermometer(input).map_err(refused)?);
-
-    let mut files = conduct.store.map(|store| store.files(task));
-    let mut remarks = Vec::new();
-    if let (Some(store), Some(files)) = (conduct.store, &mut files)
-        && let Some((state, damaged)) = store.read(files).map_err(unkept)?
-    {
-        remarks.extend(damaged.iter().map(|damaged| format!("{damaged}: went on from the state before it")));
-        simulation.restore(state.simulation).map_err(|source| JobError::Snapshot { place: place.clone(), source })?;
-        for (recorder, state) in recorders.iter_mut().zip(&state.recorders) {
-            recorder.load(state).map_err(refused)?;
-        }
-        conduct.progress.skip(simulation.system.step);
-    }
-    let resumed_at = simulation.system.step;
     let length = Length {
         equilibration: input.steps(input.run.equilibration_time),
         production: input.steps(input.run.production_time),
     };
-    let mut keep = |simulation: &Simulation, recorders: &[Box<dyn RouteRecorder>]| -> Result<(), JobError> {
-        if let (Some(store), Some(files)) = (conduct.store, &mut files) {
-            let recorders =
-                recorders.iter().map(|recorder| recorder.save()).collect::<Result<_, _>>().map_err(refused)?;
-            store.write(files, &RunState { simulation: simulation.snapshot(), recorders }).map_err(unkept)?;
-        }
-        Ok(())
-    };
-    let mut outcome = Ok(());
-    let mut kept_at = Instant::now();
-    let ending = run(&mut simulation, length, &mut recorders, |simulation, recorders| {
-        conduct.progress.step(&simulation.system);
-        if let Some(store) = conduct.store {
-            let by_steps = store.cadence.steps.is_some_and(|steps| simulation.system.step % steps == 0);
-            if by_steps || kept_at.elapsed() >= store.cadence.wall {
-                outcome = keep(simulation, recorders);
-                kept_at = Instant::now();
-            }
-        }
+    let total = length.equilibration + length.production;
+    let is_over = || {
         let late = conduct.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        outcome.is_ok() && !late && !conduct.stop.load(Ordering::Relaxed) && !failed.load(Ordering::Relaxed)
-    });
-    outcome?;
-    let ending = ending.map_err(|source| JobError::Simulation { place: place.clone(), source })?;
-    let steps = simulation.system.step;
-    if steps > resumed_at {
-        keep(&simulation, &recorders)?;
+        late || conduct.stop.load(Ordering::Relaxed) || failed.load(Ordering::Relaxed)
+    };
+
+    let mut files = conduct.store.map(|store| store.files(task));
+    let kept = match (conduct.store, &mut files) {
+        (Some(store), Some(files)) => store.read(files).map_err(unkept)?,
+        _ => None,
+    };
+    let mut finished = Finished {
+        task,
+        complete: false,
+        steps: 0,
+        steps_before: 0,
+        records: Vec::new(),
+        temperature: None,
+        remarks: Vec::new(),
+    };
+    if kept.is_none() && is_over() {
+        return Ok(finished);
     }
+    let Recording { users, mut recorders } = Recording::new(point, task, &place)?;
+    let mut start = None;
+    if let Some(Kept { state, path, remarks }) = kept {
+        let unfit = |source| JobError::Recorder { place: place.clone(), file: path.display().to_string(), source };
+        if state.recorders.len() != recorders.len() {
+            return Err(unfit(RouteError::OtherState));
+        }
+        for (recorder, state) in recorders.iter_mut().zip(&state.recorders) {
+            recorder.load(state).map_err(unfit)?;
+        }
+        finished.steps_before = state.simulation.system.step;
+        finished.remarks = remarks;
+        conduct.progress.skip(finished.steps_before);
+        start = Some((state.simulation, path));
+    }
+    finished.steps = finished.steps_before;
+
+    // A run that has come to its end already, or may not go on, needs no simulation for its records.
+    if finished.steps < total && !is_over() {
+        let mut simulation = simulation(point, task, workers, &place)?;
+        if let Some((snapshot, path)) = start {
+            simulation.restore(snapshot).map_err(|source| JobError::Snapshot {
+                place: place.clone(),
+                file: path.display().to_string(),
+                source,
+            })?;
+        }
+        let mut keep = |simulation: &Simulation, recorders: &[Box<dyn RouteRecorder>]| -> Result<LastKept, JobError> {
+            let began = Instant::now();
+            if let (Some(store), Some(files)) = (conduct.store, &mut files) {
+                let state = state_of(simulation, recorders).map_err(refused)?;
+                store.write(files, input, &state).map_err(unkept)?;
+            }
+            Ok(LastKept::since(began, simulation.system.step))
+        };
+        let mut last = Ok(LastKept::since(Instant::now(), finished.steps_before));
+        let ending = run(&mut simulation, length, &mut recorders, |simulation, recorders| {
+            conduct.progress.step(&simulation.system);
+            if let (Some(store), Ok(kept)) = (conduct.store, &last)
+                && store.cadence.is_due(simulation.system.step, kept)
+            {
+                last = keep(simulation, recorders);
+            }
+            last.is_ok() && !is_over()
+        });
+        let last = last?;
+        ending.map_err(|source| JobError::Simulation { place: place.clone(), source })?;
+        finished.steps = simulation.system.step;
+        if finished.steps > last.step {
+            keep(&simulation, &recorders)?;
+        }
+    }
+    // A stop that came with the last step stopped nothing.
+    finished.complete = finished.steps >= total;
     let mut records =
         recorders.into_iter().map(RouteRecorder::finish).collect::<Result<Vec<_>, _>>().map_err(refused)?;
-    let temperature = match records.pop() {
+    finished.temperature = match records.pop() {
         Some(Record::Series(series)) => series.mean().map(|mean| mean[0]),
         _ => None,
     };
-    let records = users.into_iter().zip(records).collect();
-    Ok(Finished { task, complete: ending == Ending::Complete, steps, records, temperature, remarks })
+    finished.records = users.into_iter().zip(records).collect();
+    Ok(finished)
 }
 
 /// Which run this is, for messages.

@@ -8,6 +8,7 @@ pub mod command;
 pub mod figure;
 pub mod job;
 pub mod plan;
+pub mod prediction;
 pub mod progress;
 pub mod report;
 pub mod route;

@@ -2,6 +2,7 @@
 
 use clap::Parser;
 use mesoflux::command::Command;
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Transport coefficients of mesoscopic fluids, each with its uncertainty.
@@ -16,7 +17,8 @@ fn main() -> ExitCode {
     match Arguments::parse().command.execute() {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("{failure}");
+            // Where the terminal is closed, there is nobody to tell.
+            let _ = writeln!(std::io::stderr(), "{failure}");
             ExitCode::from(failure.code())
         }
     }

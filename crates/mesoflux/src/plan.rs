@@ -72,7 +72,7 @@ impl Plan {
 }
 
 impl PointPlan {
-    fn new(conditions: Conditions, input: Input) -> Self {
+    pub(crate) fn new(conditions: Conditions, input: Input) -> Self {
         let mut runs: Vec<RunKind> = Vec::new();
         let mut measurements = Vec::new();
         for (name, measure) in &input.measure {
@@ -97,6 +97,11 @@ impl PointPlan {
             runs.push(RunKind::Equilibrium);
         }
         Self { conditions, input, measurements, runs }
+    }
+
+    /// The measurements that use a run, by their places.
+    pub fn users(&self, run: usize) -> impl Iterator<Item = usize> {
+        self.measurements.iter().enumerate().filter(move |(_, user)| user.runs.contains(&run)).map(|(place, _)| place)
     }
 
     /// Steps of one run, equilibration included.

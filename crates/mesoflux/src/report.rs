@@ -57,6 +57,18 @@ pub fn table(results: &Results) -> String {
             let _ = writeln!(text, "warning: {} by {}: {warning}", record.measurement, record.method);
         }
     }
+    text + &remarks(results)
+}
+
+/// What a reader must know of how the runs went, one warning a line.
+pub fn remarks(results: &Results) -> String {
+    let mut text = String::new();
+    for run in &results.runs {
+        let point: String = run.point.iter().map(|(key, value)| format!(", {key} = {value}")).collect();
+        for remark in &run.remarks {
+            let _ = writeln!(text, "warning: {} run{point}, replica {}: {remark}", run.route, run.replica);
+        }
+    }
     text
 }
 

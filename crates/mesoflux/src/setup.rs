@@ -1,16 +1,20 @@
-//! The simulation of one task at its start: particles placed, overlaps relaxed, momenta drawn, driving attached.
+//! The simulation of one task at its start: particles placed or read, overlaps relaxed, momenta drawn, driving attached.
 
 use crate::job::JobError;
 use crate::plan::{PointPlan, Task};
 use crate::route::RunKind;
+use mesoflux_core::bond::Topology;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::simulation::Simulation;
-use mesoflux_core::start::{deal_species, draw_momenta, positions, relax_overlaps};
+use mesoflux_core::start::{
+    Start, chain, check_overlaps, deal_species, draw_momenta, positions, relax_overlaps, remove_drift,
+};
 use mesoflux_core::state::Particles;
 use mesoflux_core::system::System;
-use mesoflux_io::input::Input;
+use mesoflux_io::configuration::Motion;
+use mesoflux_io::input::{Input, Loaded, MomentaStart};
 
 /// The simulation of one task at its start.
 pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place: &str) -> Result<Simulation, JobError> {
@@ -36,19 +40,80 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
         .map_err(|error| refused(error.to_string()))
 }
 
-/// The system of an input: particles placed, overlaps relaxed, momenta drawn.
+/// The system of an input: particles placed and bonded, overlaps relaxed, momenta drawn.
 fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Result<System, JobError> {
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let region = input.region().map_err(|error| refused(error.to_string()))?;
-    let species = deal_species(&input.species_counts(), noise);
-    let positions = positions(input.system.start, species.len(), &region, noise);
-    let particles = Particles::at_rest(positions, species, &input.masses());
+    let temperature = input.dynamics.temperature;
+    let (particles, relax, drawn) = match &input.system.loaded {
+        Some(loaded) => read(input, loaded),
+        None => {
+            let arrangement = input.system.start.arrangement().unwrap_or_default();
+            let relax = arrangement == Start::Random || !input.molecule.is_empty();
+            (arranged(input, arrangement, noise), relax, true)
+        }
+    };
+    let topology = Topology::new(particles.count(), input.bond_laws(), input.bonds(), input.exclusion_range());
     let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)
-        .map_err(|error| refused(error.to_string()))?;
-    if input.system.start == mesoflux_core::start::Start::Random {
-        relax_overlaps(&mut system, input.dynamics.temperature)
-            .map_err(|source| JobError::Simulation { place: format!("{place}, relaxing the start"), source })?;
+        .map_err(|error| refused(error.to_string()))?
+        .with_bonds(topology.map_err(|error| refused(error.to_string()))?);
+    let unfit = |source| JobError::Simulation { place: format!("{place}, start"), source };
+    if relax {
+        relax_overlaps(&mut system, temperature).map_err(unfit)?;
     }
-    draw_momenta(&mut system.particles, input.dynamics.temperature, noise);
+    check_overlaps(&mut system, temperature)
+        .map_err(|source| JobError::Overlap { place: place.to_owned(), source: Box::new(source) })?;
+    system.positions_moved().map_err(unfit)?;
+    if drawn {
+        draw_momenta(&mut system.particles, temperature, noise);
+    } else {
+        remove_drift(&mut system.particles);
+    }
     Ok(system)
+}
+
+/// Molecules first, as random walks, then all other particles as the start arranges them.
+fn arranged(input: &Input, arrangement: Start, noise: NoiseKey) -> Particles {
+    // The box was found right when the input was read.
+    let Ok(region) = input.region() else { return Particles::default() };
+    let interactions = input.interactions();
+    let laws = input.bond_laws();
+    let mut free = input.species_counts();
+    let (mut species, mut sites) = (Vec::new(), Vec::new());
+    for molecule in input.chains() {
+        let length = |pair: &[u8]| {
+            let potential =
+                interactions.potentials.get(pair[0], pair[1]).filter(|_| input.exclusions.potential_within == 0);
+            laws[usize::from(molecule.bond)].most_likely_length(potential.as_ref(), input.dynamics.temperature)
+        };
+        let lengths: Vec<f64> = molecule.species.windows(2).map(length).collect();
+        for _ in 0..molecule.count {
+            sites.extend(chain(&lengths, sites.len() as u64, &region, noise));
+            species.extend_from_slice(&molecule.species);
+        }
+    }
+    species.iter().for_each(|&kind| free[usize::from(kind)] -= 1);
+    let dealt = deal_species(&free, noise);
+    sites.extend(positions(arrangement, dealt.len(), &region, noise));
+    species.extend(dealt);
+    Particles::at_rest(sites, species, &input.masses())
+}
+
+/// The particles of a file; whether they are to be relaxed; whether their momenta are to be drawn.
+fn read(input: &Input, loaded: &Loaded) -> (Particles, bool, bool) {
+    let configuration = &loaded.configuration;
+    let species = configuration.kinds.iter().map(|&kind| loaded.species[kind as usize]).collect();
+    let mut particles = Particles::at_rest(configuration.positions.clone(), species, &input.masses());
+    let (relax, momenta) =
+        input.system.start.file().map_or_else(Default::default, |(file, ..)| (file.relax, file.momenta));
+    let motion = configuration.motion.as_ref().filter(|_| momenta == MomentaStart::Keep);
+    match motion {
+        Some(Motion::Momenta(momenta)) => particles.momentum.clone_from(momenta),
+        Some(Motion::Velocities(velocities)) => {
+            particles.momentum =
+                velocities.iter().zip(&particles.inverse_mass).map(|(v, w)| v.map(|component| component / w)).collect();
+        }
+        None => {}
+    }
+    (particles, relax, motion.is_none())
 }

@@ -4,19 +4,47 @@ use crate::plan::Task;
 use mesoflux_core::simulation::SimulationSnapshot;
 use mesoflux_io::checkpoint::{CheckpointError, CheckpointFiles};
 use mesoflux_io::directory::{DirectoryError, OutputDirectory};
+use mesoflux_io::input::Input;
+use mesoflux_io::state::Head;
 use serde::{Deserialize, Serialize};
-use std::time::Duration;
-
-/// The version of the state's layout.
-const LAYOUT: u32 = 1;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// How often a run writes its state.
 #[derive(Debug, Clone, Copy)]
 pub struct Cadence {
     /// After so many steps, if at all.
     pub steps: Option<u64>,
-    /// After so much wall time.
+    /// After so much wall time, or a hundred times what the last checkpoint took, whichever is longer.
     pub wall: Duration,
+}
+
+/// When a run wrote its state, and how long that took.
+#[derive(Debug, Clone, Copy)]
+pub struct LastKept {
+    /// The step of the state.
+    pub step: u64,
+    at: Instant,
+    took: Duration,
+}
+
+impl LastKept {
+    /// The state of this step is written now; writing began at `start`.
+    pub fn since(start: Instant, step: u64) -> Self {
+        let now = Instant::now();
+        Self { step, at: now, took: now - start }
+    }
+}
+
+/// Checkpoints by wall time take no more than one part in so many of it.
+const WALL_PER_CHECKPOINT: u32 = 100;
+
+impl Cadence {
+    /// Whether a run that has come to `step` must write its state.
+    pub fn is_due(&self, step: u64, last: &LastKept) -> bool {
+        let wall = self.wall.max(last.took.saturating_mul(WALL_PER_CHECKPOINT));
+        self.steps.is_some_and(|steps| step.is_multiple_of(steps)) || last.at.elapsed() >= wall
+    }
 }
 
 /// The states of all runs of a job, in one directory.
@@ -25,13 +53,6 @@ pub struct Store {
     directory: OutputDirectory,
     /// How often states are written.
     pub cadence: Cadence,
-}
-
-/// Read before the rest: which layout, and how far.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Header {
-    layout: u32,
-    steps: u64,
 }
 
 /// Everything that one run needs to go on.
@@ -43,6 +64,29 @@ pub struct RunState {
     pub recorders: Vec<Vec<u8>>,
 }
 
+impl RunState {
+    /// The state in bytes, behind its head.
+    ///
+    /// # Errors
+    /// None that can be met.
+    pub fn encode(&self, input: &Input) -> Result<Vec<u8>, postcard::Error> {
+        let species = input.species().into_iter().map(|(name, _)| name).collect();
+        let head = Head::new(self.simulation.system.step, species, input.bond.keys().cloned().collect());
+        postcard::to_stdvec(&(head, self))
+    }
+}
+
+/// What is there of a run.
+#[derive(Debug)]
+pub struct Kept {
+    /// Its newest whole state.
+    pub state: RunState,
+    /// The file that holds it.
+    pub path: PathBuf,
+    /// What a reader must know: files that were passed over.
+    pub remarks: Vec<String>,
+}
+
 /// A state that can't be kept or found again.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -52,8 +96,8 @@ pub enum StoreError {
     /// No whole state is left.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// A state of another kind.
-    #[error("the state of a run can't be read: {0}")]
+    /// A state that can't be put into bytes.
+    #[error("the state of a run can't be written: {0}")]
     Layout(#[from] postcard::Error),
 }
 
@@ -68,28 +112,58 @@ impl Store {
         CheckpointFiles::new(&format!("point-{}-run-{}-replica-{}", task.point, task.run, task.replica))
     }
 
-    /// Writes the state of a run.
+    /// Writes the state of a run of an input.
     ///
     /// # Errors
     /// A file that can't be written; the states before are then still there.
-    pub fn write(&self, files: &mut CheckpointFiles, state: &RunState) -> Result<(), StoreError> {
-        let header = Header { layout: LAYOUT, steps: state.simulation.system.step };
-        Ok(files.write(&self.directory, &postcard::to_stdvec(&(header, state))?)?)
+    pub fn write(&self, files: &mut CheckpointFiles, input: &Input, state: &RunState) -> Result<(), StoreError> {
+        Ok(files.write(&self.directory, &state.encode(input)?)?)
     }
 
-    /// Reads the newest whole state of a run, if it has any, and what was passed over.
+    /// Reads the newest whole state of a run, if it has any.
     ///
     /// # Errors
     /// States of which none is whole.
-    pub fn read(&self, files: &mut CheckpointFiles) -> Result<Option<(RunState, Vec<CheckpointError>)>, StoreError> {
-        let age = |state: &[u8]| {
-            let (header, _) = postcard::take_from_bytes::<Header>(state).ok()?;
-            (header.layout == LAYOUT).then_some(header.steps)
-        };
-        let Some(found) = files.read(self.directory.path(), age)? else {
+    pub fn read(&self, files: &mut CheckpointFiles) -> Result<Option<Kept>, StoreError> {
+        let Some(found) = files.read(self.directory.path(), |bytes| Ok(Head::read(bytes)?.steps), decode)? else {
             return Ok(None);
         };
-        let (_, state): (Header, RunState) = postcard::from_bytes(&found.state)?;
-        Ok(Some((state, found.damaged)))
+        let step = found.state.simulation.system.step;
+        let remarks = found.damaged.iter().map(|damaged| {
+            format!("{damaged}; passed over, went on at step {step} from the whole state in {}", found.path.display())
+        });
+        Ok(Some(Kept { remarks: remarks.collect(), state: found.state, path: found.path }))
+    }
+}
+
+fn decode(bytes: &[u8]) -> Result<RunState, String> {
+    let unreadable = |error| format!("holds a state that can't be read: {error}");
+    let ((head, state), rest) = postcard::take_from_bytes::<(Head, RunState)>(bytes).map_err(unreadable)?;
+    if !rest.is_empty() {
+        return Err(format!("has {} bytes after the state: must have none", rest.len()));
+    }
+    let (said, step) = (head.steps, state.simulation.system.step);
+    if said != step {
+        return Err(format!("says that it is of step {said}: must be {step}, as the state in it"));
+    }
+    Ok(state)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_is_due_by_steps_or_by_wall_time_but_costs_at_most_a_hundredth() {
+        let cadence = Cadence { steps: Some(5), wall: Duration::from_secs(10) };
+        let last = |ago, took| {
+            let at = Instant::now().checked_sub(Duration::from_secs(ago)).unwrap();
+            LastKept { step: 0, at, took: Duration::from_secs(took) }
+        };
+        assert!(!cadence.is_due(4, &last(9, 0)));
+        assert!(cadence.is_due(5, &last(0, 9)), "steps are the user's word");
+        assert!(cadence.is_due(4, &last(11, 0)));
+        assert!(!cadence.is_due(4, &last(199, 2)));
+        assert!(cadence.is_due(4, &last(201, 2)));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::noise::{NoiseKey, Purpose};
 use crate::pair::{PairNoise, velocity_dependent_forces};
-use crate::state::Column;
+use crate::state::{Column, Particles};
 use crate::system::{SimulationError, System};
 use crate::vector::{Vector, ZERO, add_scaled};
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,13 @@ pub struct VelocityVerlet {
 pub struct Columns {
     force: Column,
     predicted: Column,
+}
+
+impl Columns {
+    /// Whether the particles have both of them.
+    pub(crate) fn are_in(self, particles: &Particles) -> bool {
+        self.force != self.predicted && particles.has_column(self.force) && particles.has_column(self.predicted)
+    }
 }
 
 impl VelocityVerlet {

@@ -5,6 +5,7 @@ use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::integrate::{Integrator, Schedule, VelocityVerlet, WordError};
 use mesoflux_core::interactions::{Interactions, PairTable};
 use mesoflux_core::vector::Vector;
+use std::collections::BTreeMap;
 
 impl Input {
     /// The species in the order of their names; one of mass 1 where none is named.
@@ -17,9 +18,20 @@ impl Input {
 
     /// N, from whatever says it.
     pub fn particles(&self) -> u64 {
-        let by_species = || self.species.values().map(|species| species.particles).sum::<Option<u64>>();
+        let positive = |n: &u64| *n > 0;
         let by_density = || Some((self.system.density? * self.system.sides?.iter().product::<f64>()).round() as u64);
-        self.system.particles.or_else(|| by_species().filter(|&n| n > 0)).or_else(by_density).unwrap_or(0)
+        let by_species = || self.counted().filter(positive);
+        let by_molecules = || Some(self.beads().values().copied().fold(0, u64::saturating_add)).filter(positive);
+        self.system.particles.or_else(by_species).or_else(by_density).or_else(by_molecules).unwrap_or(0)
+    }
+
+    /// N where the species say it: each its own number, or that of its beads in molecules.
+    pub(super) fn counted(&self) -> Option<u64> {
+        let beads = if self.species.len() > 1 { self.beads() } else { BTreeMap::new() };
+        let count = |(name, species): (&String, &SpeciesInput)| {
+            species.particles.or_else(|| beads.get(name).copied().filter(|&beads| beads > 0))
+        };
+        self.species.iter().map(count).try_fold(0u64, |sum, count| Some(sum.saturating_add(count?)))
     }
 
     /// How many particles each species has.
@@ -27,7 +39,13 @@ impl Input {
         let species = self.species();
         match species.as_slice() {
             [(_, only)] => vec![only.particles.unwrap_or_else(|| self.particles()) as usize],
-            several => several.iter().map(|(_, species)| species.particles.unwrap_or(0) as usize).collect(),
+            several => {
+                let beads = self.beads();
+                let count = |(name, species): &(String, SpeciesInput)| {
+                    species.particles.or_else(|| beads.get(name).copied()).unwrap_or(0) as usize
+                };
+                several.iter().map(count).collect()
+            }
         }
     }
 
@@ -87,6 +105,13 @@ impl Input {
             // A whisker below what fits, so that rounding can't make the box too small for its own skin.
             wanted.min((1.0 - 1e-12) * room).max(0.05 * cutoff)
         })
+    }
+
+    /// N ρ/2 times the volume within the largest cutoff: the pairs of a fluid without structure.
+    pub fn expected_pairs(&self) -> f64 {
+        let particles = self.particles() as f64;
+        let density = particles / self.sides().iter().product::<f64>();
+        0.5 * particles * density * 4.0 / 3.0 * std::f64::consts::PI * self.interactions().cutoff().powi(3)
     }
 
     /// The integrator that the input names.

@@ -1,11 +1,14 @@
 //! Reading an input file, with settings from the command line written into it before it is read.
 
 use super::diagnostic::Fault;
+use super::start::{Files, Unusable};
 use super::validate::Invalid;
 use super::wording::explain;
 use super::{Input, Sweep};
+use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
@@ -52,6 +55,7 @@ impl std::str::FromStr for Setting {
 pub struct InputFile {
     name: String,
     text: String,
+    files: Arc<Files>,
     /// What the text says.
     pub input: Input,
     /// The points of its sweep; one point without settings where there is none.
@@ -69,18 +73,26 @@ impl InputFile {
     /// # Errors
     /// A file that can't be read; a text that is wrong, with place, value and requirement.
     pub fn read(path: &Path, settings: &[Setting]) -> Result<Self, InputError> {
+        Self::read_with(path, settings, Files::beside(path.parent().unwrap_or(Path::new(""))))
+    }
+
+    /// Reads a file and applies settings to it; the files that it names are found by `files`.
+    ///
+    /// # Errors
+    /// A file that can't be read; a text that is wrong, with place, value and requirement.
+    pub fn read_with(path: &Path, settings: &[Setting], files: Files) -> Result<Self, InputError> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|source| InputError::Read { name: name.clone(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| no_text(&name, &error))?;
-        Self::parse(&name, &text, settings)
+        Self::parse(&name, &text, settings, files)
     }
 
-    /// Reads a text called `name` and applies settings to it.
+    /// Reads a text called `name` and applies settings to it; the files that it names are found by `files`.
     ///
     /// # Errors
     /// A text that is wrong, with place, value and requirement.
-    pub fn parse(name: &str, text: &str, settings: &[Setting]) -> Result<Self, InputError> {
-        let mut file = Self::parse_one(name, text, settings, |setting, reason| {
+    pub fn parse(name: &str, text: &str, settings: &[Setting], files: Files) -> Result<Self, InputError> {
+        let mut file = Self::parse_one(name, text, settings, &Arc::new(files), |setting, reason| {
             InputError::Wrong(format!("error: --set {}={}: {reason}", setting.path, setting.value))
         })?;
         file.sweep = Sweep::of(&file.input).map_err(|invalid| file.fault(&invalid))?;
@@ -101,9 +113,23 @@ impl InputFile {
         }
         let misplaced =
             |setting: &Setting, reason| self.fault(&Invalid::new(format!("sweep.{}", setting.path), "", reason));
-        let mut input = Self::parse_one(&self.name, &self.text, &point.settings, misplaced)?.input;
+        let mut input = Self::parse_one(&self.name, &self.text, &point.settings, &self.files, misplaced)?.input;
         input.sweep.clear();
         Ok(input)
+    }
+
+    /// The paths of the files that the input names at any of its points, and where each is.
+    ///
+    /// # Errors
+    /// A point at which the input is wrong.
+    pub fn named_files(&self) -> Result<BTreeMap<String, PathBuf>, InputError> {
+        let mut named = BTreeMap::new();
+        for point in &self.sweep.points {
+            if let Some((start, ..)) = self.at(point)?.system.start.file() {
+                named.insert(start.path.clone(), self.files.locate(&start.path));
+            }
+        }
+        Ok(named)
     }
 
     /// A fault found by those who use the input, shown where the input says it.
@@ -116,13 +142,18 @@ impl InputFile {
         name: &str,
         text: &str,
         settings: &[Setting],
+        files: &Arc<Files>,
         misplaced: impl Fn(&Setting, String) -> InputError,
     ) -> Result<Self, InputError> {
         let (name, text) = apply(name, text, settings, misplaced)?;
-        let input: Input =
+        let mut input: Input =
             toml::from_str(&text).map_err(|error| unreadable(&name, &text, error.span(), error.message()))?;
+        input.load(files).map_err(|unusable| match unusable {
+            Unusable::File(error) => error,
+            Unusable::Wrong(invalid) => fault(&name, &text, &invalid),
+        })?;
         input.validate().map_err(|invalid| fault(&name, &text, &invalid))?;
-        Ok(Self { name, text, input, sweep: Sweep::default() })
+        Ok(Self { name, text, files: Arc::clone(files), input, sweep: Sweep::default() })
     }
 }
 

@@ -4,7 +4,9 @@ mod build;
 mod choice;
 mod diagnostic;
 mod document;
+mod molecules;
 mod routes;
+mod start;
 mod sweep;
 mod validate;
 mod validate_measure;
@@ -13,6 +15,8 @@ mod wording;
 
 pub use choice::Magnitudes;
 pub use document::{InputError, InputFile, Setting};
+pub use molecules::{BlockInput, BondInput, Chain, ExclusionsInput, MoleculeInput};
+pub use start::{FileStart, Files, Loaded, MomentaStart, StartInput};
 pub use sweep::{Point, Sweep};
 pub use validate::Invalid;
 
@@ -20,9 +24,9 @@ use mesoflux_core::forcing::ForcingKind;
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{SweepOrder, Thermostat};
 use mesoflux_core::potential::Potential;
-use mesoflux_core::start::Start;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Everything a user asks for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +43,15 @@ pub struct Input {
     /// Pair laws: `all`, and overrides for pairs of species such as `A-B`.
     #[serde(default)]
     pub pair: BTreeMap<String, PairInput>,
+    /// The kinds of bonds, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub bond: BTreeMap<String, BondInput>,
+    /// The molecules to make of bonded particles, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub molecule: BTreeMap<String, MoleculeInput>,
+    /// Which pair laws particles of one molecule don't feel.
+    #[serde(default, skip_serializing_if = "ExclusionsInput::is_none")]
+    pub exclusions: ExclusionsInput,
     /// Temperature, integrator and time step.
     pub dynamics: DynamicsInput,
     /// How long, how often, with which seed.
@@ -52,7 +65,7 @@ pub struct Input {
 }
 
 /// `[system]`: two of particles, density and box decide the third (all three must fit together); with the box left out it is
-/// a cube.
+/// a cube. A start from a file decides all three.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SystemInput {
@@ -67,7 +80,10 @@ pub struct SystemInput {
     pub sides: Option<[f64; 3]>,
     /// Where the particles start.
     #[serde(default)]
-    pub start: Start,
+    pub start: StartInput,
+    /// The particles of the file that `start` names, once it is read.
+    #[serde(skip)]
+    pub loaded: Option<Arc<Loaded>>,
 }
 
 /// `[species.NAME]`.
@@ -77,7 +93,8 @@ pub struct SpeciesInput {
     /// m.
     #[serde(default = "one")]
     pub mass: f64,
-    /// How many particles are of this species; a single species takes all.
+    /// How many particles are of this species, those in molecules included; a single species takes all, one that is left out has
+    /// those in molecules alone.
     #[serde(default)]
     pub particles: Option<u64>,
 }
@@ -172,7 +189,7 @@ pub struct RunInput {
     /// Steps between two checkpoints of a run, beside those by wall time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checkpoint_interval: Option<u64>,
-    /// Wall time between two checkpoints of a run, in seconds.
+    /// Wall time between two checkpoints of a run, in seconds; at least a hundred times what the last one took, so that they cost < 1 %.
     #[serde(default = "RunInput::default_checkpoint_wall_seconds")]
     pub checkpoint_wall_seconds: f64,
     /// Steps between two samples of quantities that cost a pass over the pairs.

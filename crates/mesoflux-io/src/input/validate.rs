@@ -67,8 +67,11 @@ const LONGEST_WALL_SECONDS: f64 = 1e9;
 impl Input {
     /// Checks everything that the form alone doesn't guarantee.
     pub(super) fn validate(&self) -> Result<(), Invalid> {
+        self.validate_molecules()?;
         self.validate_species()?;
         self.validate_system()?;
+        self.validate_beads()?;
+        self.validate_molecules_of_start()?;
         self.validate_pairs()?;
         self.validate_dynamics()?;
         self.validate_run()?;

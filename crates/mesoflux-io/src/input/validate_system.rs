@@ -5,7 +5,7 @@ use super::validate::{Invalid, number, rounded, written};
 use mesoflux_core::potential::Requirement;
 
 /// The most particles a system may have: places in a list are 32-bit numbers.
-const MOST_PARTICLES: u64 = u32::MAX as u64;
+pub(super) const MOST_PARTICLES: u64 = u32::MAX as u64;
 
 impl Input {
     /// Names that pairs can be made of, masses, counts.
@@ -20,11 +20,11 @@ impl Input {
                 ));
             }
             number(&format!("{path}.mass"), species.mass, Requirement::Positive)?;
-            if self.species.len() > 1 && species.particles.is_none() {
+            if self.species.len() > 1 && species.particles.is_none() && !self.beads().contains_key(name) {
                 return Err(Invalid::new(
                     path,
                     "",
-                    "particles is missing: with several species each must say how many it has",
+                    "particles is missing: with several species each must say how many it has, unless molecules are made of it",
                 ));
             }
         }
@@ -50,12 +50,16 @@ impl Input {
                 return Err(Invalid::new(path, species.particles.unwrap_or(0), requirement));
             }
         }
-        let counted: u64 = self.species.values().filter_map(|species| species.particles).sum();
+        let counted = self.counted().unwrap_or(0);
         if let Some(particles) = system.particles.filter(|&particles| counted > 0 && particles != counted) {
             let requirement = format!("must be the sum of the species' particles, {counted}");
             return Err(Invalid::new("system.particles", particles, requirement));
         }
-        let known = [self.system.particles.is_some() || counted > 0, system.density.is_some(), system.sides.is_some()];
+        let known = [
+            self.system.particles.is_some() || counted > 0 || !self.molecule.is_empty(),
+            system.density.is_some(),
+            system.sides.is_some(),
+        ];
         if known.iter().filter(|&&known| known).count() < 2 {
             return Err(Invalid::new("system", "", "must give two of particles, density and box"));
         }
@@ -73,7 +77,7 @@ impl Input {
             }
         }
         match (system.density, system.sides) {
-            (Some(density), Some(sides)) if known[0] => {
+            (Some(density), Some(sides)) if system.particles.is_some() || counted > 0 => {
                 let decided = particles as f64 / sides.iter().product::<f64>();
                 if (density - decided).abs() > 1e-9 * decided {
                     let requirement =

@@ -76,6 +76,7 @@ fn requirement(message: &str) -> String {
     let expected = message.split_once("expected ").map_or(message, |(_, expected)| expected);
     match expected {
         "f64" => "must be a number".to_owned(),
+        "u8" => "must be a whole number from 0 to 255".to_owned(),
         "u64" if message.contains("i128") => format!("must be at most {}", i64::MAX),
         "u64" => "must be a whole number of at least 0".to_owned(),
         "a string" => "must be a text in quotes".to_owned(),

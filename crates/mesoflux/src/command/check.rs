@@ -1,11 +1,13 @@
 //! `mesoflux check INPUT.toml`.
 
-use super::session::Failure;
+use super::session::{Failure, threads};
 use crate::plan::Plan;
+use crate::prediction::{duty, free_memory, memory, size};
 use clap::Args;
 use mesoflux_io::input::{InputFile, Setting};
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Arguments of `check`.
 #[derive(Debug, Args)]
@@ -16,6 +18,9 @@ pub struct Arguments {
     /// Set a key of the input, as for run; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     settings: Vec<Setting>,
+    /// Threads for which memory and time are predicted [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4096))]
+    threads: Option<u64>,
 }
 
 pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
@@ -29,7 +34,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
         let at: String = point.conditions.iter().map(|(key, value)| format!(" at {key} = {value}")).collect();
         let runs = point.runs.len() as u64 * input.run.replicas;
         let particle_steps = runs as f64 * input.particles() as f64 * point.steps() as f64;
-        let pairs = expected_pairs(input);
+        let pairs = input.expected_pairs();
         total += particle_steps;
         text += &format!(
             "# {runs} runs{at}: {} particles, about {pairs:.0} pairs within the cutoff, {} steps each, {particle_steps:.2e} particle-steps\n",
@@ -42,13 +47,31 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     text += &format!("# {total:.2e} particle-steps in all\n");
+    text += &predicted(&plan, threads(arguments.threads))?;
     std::io::stdout().lock().write_all(text.as_bytes()).map_err(Failure::Output)
 }
 
-/// N ρ/2 times the volume within the largest cutoff: the pairs of a fluid without structure.
-fn expected_pairs(input: &mesoflux_io::input::Input) -> f64 {
-    let particles = input.particles() as f64;
-    let density = particles / input.sides().iter().product::<f64>();
-    let cutoff = input.interactions().cutoff();
-    0.5 * particles * density * 4.0 / 3.0 * std::f64::consts::PI * cutoff.powi(3)
+/// Memory and time on so many threads.
+fn predicted(plan: &Plan, threads: usize) -> Result<String, Failure> {
+    let needed = memory(plan, threads)?;
+    let free = free_memory();
+    let verdict = if needed.bytes < free { "" } else { ": TOO LITTLE, such a run is refused" };
+    let together = if needed.runs > 1 { format!(" for {} runs side by side", needed.runs) } else { String::new() };
+    let mut text = format!(
+        "# memory: about {}{together}, {:.0} bytes a particle; {} are free here{verdict}\n",
+        size(needed.bytes),
+        needed.per_particle,
+        size(free),
+    );
+    if verdict.is_empty() {
+        let duty = duty(plan, threads)?;
+        // Two significant places of a prediction are enough.
+        let whole = Duration::from_secs_f64(duty.seconds.clamp(1.0, 1e12).round());
+        text += &format!(
+            "# time: about {} on {threads} threads, {:.2e} particle-steps a second, as measured just now\n",
+            humantime::format_duration(whole),
+            duty.rate,
+        );
+    }
+    Ok(text)
 }

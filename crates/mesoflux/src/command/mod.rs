@@ -16,7 +16,7 @@ pub enum Command {
     Run(run::Arguments),
     /// Go on with an interrupted run, to the same bits as without the interruption
     Resume(resume::Arguments),
-    /// Check an input file and print what would run, without running or writing anything
+    /// Check an input file and print what would run, the memory and the time it takes; nothing is written
     Check(check::Arguments),
 }
 

@@ -1,10 +1,12 @@
 //! `mesoflux resume DIR`.
 
-use super::session::{Failure, INPUT, Options, perform_in};
+use super::session::{
+    Failure, INPUT, Options, Outcome, START, STATES, Workplace, check_memory, perform_in, shell_word,
+};
 use clap::Args;
 use mesoflux_io::directory::OutputDirectory;
-use mesoflux_io::input::{Input, InputFile, Setting};
-use std::path::PathBuf;
+use mesoflux_io::input::{Files, Input, InputFile, Setting};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `resume`.
 #[derive(Debug, Args)]
@@ -20,49 +22,123 @@ pub struct Arguments {
 }
 
 pub(super) fn resume(arguments: &Arguments) -> Result<(), Failure> {
-    let path = arguments.directory.join(INPUT);
-    let before = InputFile::read(&path, &[])?;
-    let file = InputFile::read(&path, &arguments.settings)?;
-    check_extension(&before.input, &file.input)?;
-    let directory = OutputDirectory::explicit(&arguments.directory, true)?;
-    if !arguments.settings.is_empty() {
-        directory.write(INPUT, file.text().as_bytes())?;
+    let directory = &arguments.directory;
+    check_is_run(directory)?;
+    let workplace = Workplace::open(OutputDirectory::explicit(directory, true)?)?;
+    let asked = directory.join(INPUT);
+    let recorded = directory.join(STATES).join(INPUT);
+    // Killed before it was written down among the states, the input has no states yet.
+    let read = |path: &Path, settings: &[Setting]| {
+        InputFile::read_with(path, settings, Files::kept_in(&directory.join(START)))
+    };
+    let recorded = read(if recorded.exists() { &recorded } else { &asked }, &[])?;
+    let mut settings = arguments.settings.clone();
+    let mut file = read(&asked, &settings)?;
+    let longer = file.input.run.production_time > recorded.input.run.production_time;
+    if longer {
+        settings.extend(lags_as_begun(&recorded.input, &file.input));
+        file = read(&asked, &settings)?;
     }
-    perform_in(&directory, &file, &arguments.options)
+    check_extension(&recorded, &file)?;
+    check_memory(&file, &arguments.options)?;
+    if longer {
+        workplace.remove_results()?;
+    }
+    if file.text() != recorded.text() || !settings.is_empty() {
+        workplace.write_input(&file)?;
+    }
+    if perform_in(&workplace, &file, &arguments.options)? == Outcome::NothingToDo {
+        let directory = shell_word(directory);
+        let time = file.input.run.production_time;
+        arguments.options.remark(&format!(
+            "the run in {directory} was complete already; to make it longer than {time}: mesoflux resume {directory} --set run.production_time=TIME"
+        ));
+    }
+    Ok(())
+}
+
+/// A directory that `run` has made and that came to its input.
+fn check_is_run(directory: &Path) -> Result<(), Failure> {
+    let lacks = |reason: String| Failure::NoRun { directory: directory.display().to_string(), reason };
+    if !directory.exists() {
+        return Err(lacks("does not exist; must be the directory of a run".to_owned()));
+    }
+    for name in [INPUT, STATES] {
+        if !directory.join(name).exists() {
+            return Err(lacks(format!("holds no {name}; must be the directory of a run")));
+        }
+    }
+    Ok(())
+}
+
+/// Lags that follow from the production time where none is given: an extended run keeps those it began with, and its input says so.
+fn lags_as_begun(before: &Input, asked: &Input) -> Vec<Setting> {
+    let lag = |(name, measure): (&String, &mesoflux_io::input::MeasureInput)| {
+        let begun = measure.quantity.default_routes(&measure.routes).msd?;
+        let now = asked.measure.get(name)?;
+        let now = now.quantity.default_routes(&now.routes).msd?;
+        (begun.longest_lag.is_none() && now.longest_lag.is_none()).then(|| Setting {
+            path: format!("measure.{name}.routes.msd.longest_lag"),
+            value: format!("{:?}", begun.longest_lag(before.run.production_time)),
+        })
+    };
+    before.measure.iter().filter_map(lag).collect()
 }
 
 /// A run may become longer; anything else would make its states those of another run.
-fn check_extension(before: &Input, after: &Input) -> Result<(), Failure> {
+fn check_extension(recorded: &InputFile, asked: &InputFile) -> Result<(), Failure> {
+    let (before, after) = (&recorded.input, &asked.input);
     let (old, new) = (before.run.production_time, after.run.production_time);
+    let swept = asked.sweep.points.iter().any(|point| point.values.contains_key("run.production_time"));
+    if new != old && swept {
+        return Err(Failure::Refused(
+            "run.production_time: is swept, and only one for all points can become longer; start a new run".to_owned(),
+        ));
+    }
     if new < old {
         return Err(Failure::Refused(format!("run.production_time = {new}: must be at least {old}, as the run began")));
     }
-    let mut same = after.clone();
-    same.run.production_time = old;
-    same.run.checkpoint_interval = before.run.checkpoint_interval;
-    same.run.checkpoint_wall_seconds = before.run.checkpoint_wall_seconds;
-    if same == *before {
+    let (mut before, mut after) = (before.clone(), after.clone());
+    for input in [&mut before, &mut after] {
+        input.run.production_time = new;
+        input.run.checkpoint_interval = None;
+        input.run.checkpoint_wall_seconds = 1.0;
+    }
+    // Made explicit above, a lag that followed from the shorter time is no change.
+    for (name, measure) in &mut after.measure {
+        let begun = before.measure.get(name).map(|begun| begun.quantity.default_routes(&begun.routes));
+        if let (Some(msd), Some(begun)) = (&mut measure.routes.msd, begun.and_then(|routes| routes.msd))
+            && begun.longest_lag.is_none()
+            && msd.longest_lag == Some(begun.longest_lag(old))
+        {
+            msd.longest_lag = None;
+        }
+        measure.routes = measure.quantity.default_routes(&measure.routes);
+    }
+    for measure in before.measure.values_mut() {
+        measure.routes = measure.quantity.default_routes(&measure.routes);
+    }
+    if before == after {
         return Ok(());
     }
-    let changed = difference(before, &same).unwrap_or_else(|| "the input".to_owned());
+    let changed = difference(&before, &after).unwrap_or_else(|| "the input is not what it was".to_owned());
     Err(Failure::Refused(format!(
-        "{changed} differs from the run's own input: only run.production_time and the checkpoints' cadence may change; start a new run for anything else"
+        "{changed} when the run began: only run.production_time may grow and the checkpoints' cadence change; start a new run for anything else"
     )))
 }
 
-/// The path of the first key in which two inputs differ.
+/// The first key in which two inputs differ, with its values.
 fn difference(before: &Input, after: &Input) -> Option<String> {
-    fn first(prefix: &str, a: &toml::Value, b: &toml::Value) -> Option<String> {
-        match (a, b) {
-            (toml::Value::Table(a), toml::Value::Table(b)) => a.keys().chain(b.keys()).find_map(|key| {
-                let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-                match (a.get(key), b.get(key)) {
-                    (Some(a), Some(b)) => first(&path, a, b),
-                    _ => Some(path),
-                }
-            }),
-            _ => (a != b).then(|| prefix.to_owned()),
+    fn first(path: &str, a: Option<&toml::Value>, b: Option<&toml::Value>) -> Option<String> {
+        if let (Some(toml::Value::Table(a)), Some(toml::Value::Table(b))) = (a, b) {
+            return a.keys().chain(b.keys()).find_map(|key| {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                first(&path, a.get(key), b.get(key))
+            });
         }
+        let shown = |value: Option<&toml::Value>| value.map_or("absent".to_owned(), ToString::to_string);
+        (a != b).then(|| format!("{path} = {}: was {}", shown(b), shown(a)))
     }
-    first("", &toml::Value::try_from(before).ok()?, &toml::Value::try_from(after).ok()?)
+    let table = |input| toml::Value::try_from(input).ok();
+    first("", Some(&table(before)?), Some(&table(after)?))
 }

@@ -1,6 +1,6 @@
 //! `mesoflux run INPUT.toml`.
 
-use super::session::{Failure, INPUT, Options, RESULTS, STATES, perform_in};
+use super::session::{Failure, INPUT, Options, STATES, Workplace, check_memory, named_files, perform_in};
 use clap::Args;
 use mesoflux_io::directory::OutputDirectory;
 use mesoflux_io::input::{InputFile, Setting};
@@ -32,10 +32,13 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
     let mut settings = arguments.settings;
     settings.extend(arguments.seed.map(|seed| Setting { path: "run.seed".into(), value: seed.to_string() }));
     let file = InputFile::read(&arguments.input, &settings)?;
-    let directory = match &arguments.out {
+    check_memory(&file, &arguments.options)?;
+    // Before anything of an earlier run is removed: it may be what this one starts from.
+    let start = named_files(&file)?;
+    let workplace = match &arguments.out {
         Some(wanted) => {
             // Only a run's own directory, or an empty one, may be written into: --force is no license to mix with other things.
-            let foreign = wanted.exists() && !wanted.join(INPUT).exists();
+            let foreign = wanted.exists() && ![INPUT, STATES].iter().any(|name| wanted.join(name).exists());
             if arguments.force && foreign && std::fs::read_dir(wanted).is_ok_and(|mut entries| entries.next().is_some())
             {
                 let place = wanted.display();
@@ -43,14 +46,14 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
                     "--out {place}: holds something that is no run of mesoflux; must be new, empty, or a run's directory"
                 )));
             }
-            let directory = OutputDirectory::explicit(wanted, arguments.force)?;
-            // What an earlier run left here must not be taken for this one's.
-            directory.remove(STATES)?;
-            directory.remove(RESULTS)?;
-            directory
+            let workplace = Workplace::open(OutputDirectory::explicit(wanted, arguments.force)?)?;
+            workplace.clear()?;
+            workplace
         }
-        None => OutputDirectory::named_after(&arguments.input)?,
+        None => Workplace::open(OutputDirectory::named_after(&arguments.input)?)?,
     };
-    directory.write(INPUT, file.text().as_bytes())?;
-    perform_in(&directory, &file, &arguments.options)
+    workplace.keep_files(&start)?;
+    workplace.write_input(&file)?;
+    perform_in(&workplace, &file, &arguments.options)?;
+    Ok(())
 }

@@ -57,7 +57,11 @@ impl<F: Fn(&mut System) -> Vec<f64> + Send> RouteRecorder for StateRecorder<F> {
     }
 
     fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
-        (self.interval, self.series) = postcard::from_bytes(state)?;
+        let (interval, series): (u64, _) = postcard::from_bytes(state)?;
+        if interval != self.interval || !self.series.accepts(&series) {
+            return Err(RouteError::OtherState);
+        }
+        self.series = series;
         Ok(())
     }
 

@@ -38,6 +38,11 @@ impl Route for MeanSquaredDisplacementRoute {
         Ok(Box::new(DisplacementRecorder { interval, displacement, positions: Vec::new(), failure: None }))
     }
 
+    /// A configuration for each lag.
+    fn grows_to(&self, input: &Input) -> u64 {
+        (LAGS + 1) * input.particles() * size_of::<Vector>() as u64
+    }
+
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let [Record::Displacement(displacement)] = records else {
             return Err(RouteError::WrongRecord);
@@ -84,7 +89,11 @@ impl RouteRecorder for DisplacementRecorder {
     }
 
     fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
-        (self.interval, self.displacement) = postcard::from_bytes(state)?;
+        let (interval, displacement): (u64, _) = postcard::from_bytes(state)?;
+        if interval != self.interval || !self.displacement.accepts(&displacement) {
+            return Err(RouteError::OtherState);
+        }
+        self.displacement = displacement;
         Ok(())
     }
 

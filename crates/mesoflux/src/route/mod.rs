@@ -77,6 +77,9 @@ pub enum RouteError {
     /// A recorder's state that can't be written or read.
     #[error("the state of a recorder: {0}")]
     State(#[from] postcard::Error),
+    /// A recorder's state that isn't one of this recorder.
+    #[error("the state of a recorder: is of another kind, or its parts don't fit together")]
+    OtherState,
     /// A record of another kind than the route's own.
     #[error("the record of a run is not of the kind that the route takes")]
     WrongRecord,
@@ -153,6 +156,11 @@ pub trait Route: Send + Sync {
     /// # Errors
     /// Parameters that the estimator refuses.
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError>;
+
+    /// How many bytes its recorder comes to hold beyond what it begins with.
+    fn grows_to(&self, _input: &Input) -> u64 {
+        0
+    }
 
     /// The estimate from the records of its runs, in their order, the replicas of each merged.
     ///

@@ -95,7 +95,11 @@ impl RouteRecorder for DrivenRecorder {
     }
 
     fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
-        (self.interval, self.sum, self.series) = postcard::from_bytes(state)?;
+        let (interval, sum, series): (u64, _, _) = postcard::from_bytes(state)?;
+        if interval != self.interval || !self.series.accepts(&series) {
+            return Err(RouteError::OtherState);
+        }
+        (self.sum, self.series) = (sum, series);
         Ok(())
     }
 

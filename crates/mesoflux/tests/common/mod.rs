@@ -5,7 +5,8 @@
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// A soft fluid that runs in a hundredth of a second, with nothing measured.
@@ -85,9 +86,63 @@ impl Folder {
 
     /// Runs `mesoflux` with arguments separated by spaces.
     pub fn mesoflux(&self, arguments: &str) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Starts `mesoflux` with arguments separated by spaces, and doesn't wait for it.
+    pub fn start(&self, arguments: &str) -> Child {
+        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_mesoflux"));
         command.args(arguments.split_whitespace()).current_dir(self.path()).env("COLUMNS", "100");
-        command.output().unwrap()
+        command
+    }
+
+    /// Waits until a run into `directory` has kept a state.
+    pub fn wait_for_state(&self, directory: &str) {
+        wait_until("a checkpoint", || !self.checkpoints(directory).is_empty());
+    }
+
+    /// The checkpoints in a run's directory.
+    pub fn checkpoints(&self, directory: &str) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(self.file(directory).join("states")).into_iter().flatten();
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+        paths.retain(|path| path.extension().is_some_and(|extension| extension == "checkpoint"));
+        paths.retain(|path| !path.file_name().unwrap().to_str().unwrap().starts_with('.'));
+        paths.sort();
+        paths
+    }
+
+    /// Results, tables and figures in two directories must be the same to the bit, but for what the clock and the machine say.
+    pub fn assert_same_results(&self, found: &str, expected: &str) {
+        let (a, b) = (physics(self.results(found)), physics(self.results(expected)));
+        assert_eq!(a, b, "{found} and {expected}");
+        assert_eq!(a["complete"], true, "{found}");
+        let mut compared = 0;
+        for entry in std::fs::read_dir(self.file(expected)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "csv" || extension == "svg") {
+                let name = path.file_name().unwrap().to_str().unwrap();
+                assert_eq!(self.read(&format!("{found}/{name}")), self.read(&format!("{expected}/{name}")), "{name}");
+                compared += 1;
+            }
+        }
+        let tables = list(&b["estimates"]).iter().filter(|estimate| estimate.get("table").is_some()).count();
+        assert!(compared >= tables, "{compared} of {tables} tables");
+        for folder in [found.to_owned(), format!("{found}/states")] {
+            for entry in std::fs::read_dir(self.file(&folder)).unwrap() {
+                let name = entry.unwrap().file_name().into_string().unwrap();
+                assert!(!name.starts_with('.'), "{folder}/{name} is left");
+            }
+        }
+    }
+
+    /// Copies a directory with everything in it.
+    pub fn copy(&self, from: &str, to: &str) {
+        let status = Command::new("cp").arg("-r").args([self.file(from), self.file(to)]).status().unwrap();
+        assert!(status.success());
     }
 
     /// Runs `mesoflux run fluid.toml`, which must succeed.
@@ -106,6 +161,57 @@ impl Folder {
     pub fn run_for_results(&self, arguments: &str) -> Value {
         self.run(&format!("--quiet --out out {arguments}"));
         self.results("out")
+    }
+}
+
+/// The results without what the clock and the machine say, and without how the runs went.
+pub fn physics(mut results: Value) -> Value {
+    let fields = results.as_object_mut().unwrap();
+    for circumstance in ["wall_seconds", "threads", "particle_steps_per_second"] {
+        assert!(fields.remove(circumstance).is_some(), "{circumstance}");
+    }
+    for cadence in ["checkpoint_interval", "checkpoint_wall_seconds"] {
+        fields["input"]["run"].as_object_mut().unwrap().remove(cadence);
+    }
+    for run in fields["runs"].as_array_mut().unwrap() {
+        run.as_object_mut().unwrap().remove("remarks");
+    }
+    results
+}
+
+/// Waits for something that must come within half a minute.
+pub fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !condition() {
+        assert!(start.elapsed() < Duration::from_secs(30), "{what} does not come");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Sends a signal to a process of one's own.
+pub fn signal(child: &Child, name: &str) {
+    let status = Command::new("sh").args(["-c", &format!("kill -{name} {}", child.id())]).status().unwrap();
+    assert!(status.success(), "{name}");
+}
+
+/// SplitMix64: numbers that are the same at every run of a test.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit as u64) as usize
+    }
+
+    pub fn uniform(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

@@ -1,0 +1,42 @@
+//! What stands first in the state of every run: enough to tell what it is and to start another run from it.
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the layout of a state.
+const LAYOUT: u32 = 2;
+
+/// Read before the rest. What follows it is the simulation's snapshot, then the recorders.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Head {
+    layout: u32,
+    /// How many steps the run has done.
+    pub steps: u64,
+    /// The names of the species.
+    pub species: Vec<String>,
+    /// The names of the kinds of bonds.
+    pub bonds: Vec<String>,
+}
+
+impl Head {
+    /// The head of a state of this version of the program.
+    pub fn new(steps: u64, species: Vec<String>, bonds: Vec<String>) -> Self {
+        Self { layout: LAYOUT, steps, species, bonds }
+    }
+
+    /// Reads the head of a state.
+    ///
+    /// # Errors
+    /// A state of another version of the program, or none.
+    pub fn read(state: &[u8]) -> Result<Self, String> {
+        let layout = postcard::take_from_bytes::<u32>(state).map(|(layout, _)| layout);
+        match layout {
+            Ok(LAYOUT) => postcard::take_from_bytes(state)
+                .map(|(head, _)| head)
+                .map_err(|error| format!("has a head that can't be read: {error}")),
+            Ok(other) => {
+                Err(format!("has the layout {other}: must have {LAYOUT}, that of this version of the program"))
+            }
+            Err(error) => Err(format!("has a head that can't be read: {error}")),
+        }
+    }
+}
