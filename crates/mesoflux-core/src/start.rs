@@ -184,7 +184,7 @@ pub fn relax_overlaps(system: &mut System, temperature: f64) -> Result<(), Simul
 }
 
 /// The forces with no pair's above a limit; a bond near its longest length pulls a hundred times harder.
-fn limited_forces(system: &mut System, limit: f64, force: &mut Vec<Vector>) {
+fn limited_forces(system: &mut System, limit: f64, force: &mut [Vector]) {
     force.fill(ZERO);
     let (list, interactions, _) = system.with_contacts();
     for brick in list.bricks() {

@@ -31,6 +31,12 @@ struct Derived {
     word: Option<&'static str>,
 }
 
+/// A fluid of particles of mass 1 whose largest cutoff is 1, with the skin that follows from time steps of 0.01 or more.
+fn soft(particles: u64, counts: &'static [usize], sides: [f64; 3]) -> Derived {
+    let density = particles as f64 / sides.iter().product::<f64>();
+    Derived { particles, counts, masses: &[1.0], sides, density, cutoff: 1.0, skin: 0.3, word: Some("ABOBA") }
+}
+
 #[test]
 fn what_an_input_leaves_open_follows_from_the_rest() {
     let cube = |volume: f64| [volume.cbrt(); 3];
@@ -81,56 +87,10 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
             },
         ),
         ("constant_energy.toml", Derived { word: Some("BAB"), ..one }),
-        (
-            "polymer.toml",
-            Derived {
-                particles: 600,
-                counts: &[30, 70, 500],
-                masses: &[1.0, 1.5, 1.0],
-                sides: cube(200.0),
-                density: 3.0,
-                cutoff: 1.0,
-                skin: 0.3,
-                ..one
-            },
-        ),
-        (
-            "from_lammps_data.toml",
-            Derived {
-                particles: 66,
-                counts: &[6, 60],
-                masses: &[2.5, 1.0],
-                sides: [4.0; 3],
-                density: 66.0 / 64.0,
-                cutoff: 1.0,
-                skin: 0.3,
-                ..one
-            },
-        ),
-        (
-            "from_extended_xyz.toml",
-            Derived {
-                particles: 100,
-                counts: &[100],
-                sides: [3.2; 3],
-                density: 100.0 / 32.768,
-                cutoff: 1.0,
-                skin: 0.3,
-                ..one
-            },
-        ),
-        (
-            "molecules_in_file.toml",
-            Derived {
-                particles: 100,
-                counts: &[100],
-                sides: [3.2; 3],
-                density: 100.0 / 32.768,
-                cutoff: 1.0,
-                skin: 0.3,
-                ..one
-            },
-        ),
+        ("polymer.toml", Derived { counts: &[30, 70, 500], masses: &[1.0, 1.5, 1.0], ..soft(600, &[], cube(200.0)) }),
+        ("from_lammps_data.toml", Derived { masses: &[2.5, 1.0], ..soft(66, &[6, 60], [4.0; 3]) }),
+        ("from_extended_xyz.toml", soft(100, &[100], [3.2; 3])),
+        ("molecules_in_file.toml", soft(100, &[100], [3.2; 3])),
         ("sweep.toml", Derived { sides: cube(500.0 / 3.0), density: 3.0, cutoff: 1.0, skin: 0.3, ..one }),
     ];
     assert_eq!(expected.len(), input_files("good").len(), "every good input has its derived values here");

@@ -208,7 +208,7 @@ pub fn size(bytes: f64) -> String {
     let (unit, name) =
         [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|&(unit, _)| bytes >= unit).unwrap_or((1e3, "kB"));
     let number = bytes / unit;
-    let decimals = if number < 9.95 { 1 } else { 0 };
+    let decimals = usize::from(number < 9.95);
     format!("{number:.decimals$} {name}")
 }
 
@@ -226,20 +226,14 @@ fn shrunk(point: &PointPlan, most: u64) -> PointPlan {
     input.system.density = None;
     input.system.start = StartInput::CubicLattice;
     input.system.loaded = None;
-    let fewer = |count: u64| ((count as f64 * factor).round() as u64).max(1);
+    // Even numbers, for forcings that come in pairs.
+    let fewer = |count: u64| (2.0 * (0.5 * count as f64 * factor).round()).max(2.0) as u64;
     input.molecule.values_mut().for_each(|molecule| molecule.count = fewer(molecule.count));
     input.species.values_mut().for_each(|species| species.particles = species.particles.map(fewer));
     input.system.particles = None;
-    // Forcings that come in pairs need an even number.
-    let total = if input.species.len() > 1 { input.particles() } else { most };
-    if input.species.len() > 1 && total % 2 == 1 {
-        if let Some(count) = input.species.values_mut().find_map(|species| species.particles.as_mut()) {
-            *count += 1;
-        }
-    }
-    input.system.particles = Some(total.next_multiple_of(2));
-    if let Some(only) = input.species.values_mut().next().filter(|_| point.input.species.len() == 1) {
-        only.particles = None;
+    if input.species.len() <= 1 {
+        input.species.values_mut().for_each(|species| species.particles = None);
+        input.system.particles = Some(most);
     }
     PointPlan::new(point.conditions.clone(), input)
 }

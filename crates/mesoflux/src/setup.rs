@@ -45,13 +45,12 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let region = input.region().map_err(|error| refused(error.to_string()))?;
     let temperature = input.dynamics.temperature;
-    let (particles, relax, drawn) = match &input.system.loaded {
-        Some(loaded) => read(input, loaded),
-        None => {
-            let arrangement = input.system.start.arrangement().unwrap_or_default();
-            let relax = arrangement == Start::Random || !input.molecule.is_empty();
-            (arranged(input, arrangement, noise), relax, true)
-        }
+    let (particles, relax, drawn) = if let Some(loaded) = &input.system.loaded {
+        read(input, loaded)
+    } else {
+        let arrangement = input.system.start.arrangement().unwrap_or_default();
+        let relax = arrangement == Start::Random || !input.molecule.is_empty();
+        (arranged(input, arrangement, noise), relax, true)
     };
     let topology = Topology::new(particles.count(), input.bond_laws(), input.bonds(), input.exclusion_range());
     let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)

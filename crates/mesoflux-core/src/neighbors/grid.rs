@@ -7,8 +7,8 @@
 use crate::boundary::{Image, PeriodicBox};
 use crate::vector::Vector;
 
-/// Cells are at least half a list radius wide: neighbors are at most two cells away.
-const REACH: usize = 2;
+/// Cells are at least a list radius wide: neighbors are in the same or the next cell.
+const REACH: usize = 1;
 
 /// Most cells for each particle, on average.
 const CELLS_PER_PARTICLE: f64 = 8.0;
@@ -24,8 +24,7 @@ pub struct Grid {
     /// Cells along each edge of a brick.
     pub cells: [usize; 3],
     inverse_edge: Vector,
-    /// Offsets to those of the 124 surrounding cells that come later in the order and are near enough.
-    stencil: Vec<[isize; 3]>,
+    cell_pairs: Vec<[u32; 2]>,
 }
 
 /// A cell as a brick sees it: which cell it is, and in which copy of the box.
@@ -72,7 +71,7 @@ impl Grid {
             }
         }
         let edges: Vector = std::array::from_fn(|axis| region.sides()[axis] / (bricks[axis] * cells[axis]) as f64);
-        Self { bricks, cells, inverse_edge: edges.map(|edge| 1.0 / edge), stencil: stencil(edges, list_radius) }
+        Self { bricks, cells, inverse_edge: edges.map(|edge| 1.0 / edge), cell_pairs: cell_pairs(cells) }
     }
 
     /// The number of cells.
@@ -113,30 +112,15 @@ impl Grid {
         (ordered, starts)
     }
 
-    /// Calls `visit(a, b)` for every pair of near cells that a brick owns, `None` for a cell with itself; in the sweep's order.
-    pub fn for_each_cell_pair(&self, brick: [usize; 3], mut visit: impl FnMut(SeenCell, Option<SeenCell>)) {
-        // A brick sees its own cells and, on its upper faces, the nearest layers of the next bricks.
-        let extent = self.cells.map(|cells| cells + REACH);
-        let mut region = Vec::with_capacity(extent.iter().product());
-        for_each_place(extent, |place| region.push(self.seen(brick, place)));
-        let own = |place: [usize; 3]| -> [bool; 3] { std::array::from_fn(|axis| place[axis] < self.cells[axis]) };
-        let mut index = 0;
-        for_each_place(extent, |here| {
-            let (cell, mine) = (region[index], own(here));
-            index += 1;
-            if mine == [true; 3] {
-                visit(cell, None);
-            }
-            for offset in &self.stencil {
-                // A place below zero wraps around to a large number, which is outside as well.
-                let there: [usize; 3] = std::array::from_fn(|axis| here[axis].wrapping_add_signed(offset[axis]));
-                let inside = (0..3).all(|axis| there[axis] < extent[axis]);
-                if inside && (0..3).all(|axis| mine[axis] || there[axis] < self.cells[axis]) {
-                    let place = (there[2] * extent[1] + there[1]) * extent[0] + there[0];
-                    visit(cell, Some(region[place]));
-                }
-            }
-        });
+    /// The cells that a brick sees: its own and, on its upper faces, the nearest layers of the next bricks.
+    pub fn region(&self, brick: [usize; 3], region: &mut Vec<SeenCell>) {
+        region.clear();
+        for_each_place(self.cells.map(|cells| cells + REACH), |place| region.push(self.seen(brick, place)));
+    }
+
+    /// The pairs of near cells that every brick owns, as places in its region, in the sweep's order; a cell with itself too.
+    pub fn cell_pairs(&self) -> &[[u32; 2]] {
+        &self.cell_pairs
     }
 
     fn seen(&self, brick: [usize; 3], local: [usize; 3]) -> SeenCell {
@@ -166,22 +150,32 @@ fn for_each_place(extent: [usize; 3], mut visit: impl FnMut([usize; 3])) {
     }
 }
 
-/// The later half of the offsets to cells whose nearest corners are less than a list radius apart.
-fn stencil(edges: Vector, list_radius: f64) -> Vec<[isize; 3]> {
-    let reach = REACH as isize;
-    let mut offsets = Vec::new();
-    for z in -reach..=reach {
-        for y in -reach..=reach {
-            for x in -reach..=reach {
-                let offset = [x, y, z];
-                let gap_squared: f64 =
-                    (0..3).map(|axis| ((offset[axis].abs() - 1).max(0) as f64 * edges[axis]).powi(2)).sum();
-                let later = (z, y, x) > (0, 0, 0);
-                if later && gap_squared < list_radius * list_radius {
-                    offsets.push(offset);
-                }
+/// The pairs of cells that a brick owns: each of its cells with itself, and neighbors of which along every axis one is its own.
+fn cell_pairs(cells: [usize; 3]) -> Vec<[u32; 2]> {
+    let extent = cells.map(|cells| cells + REACH);
+    let flat = |place: [usize; 3]| ((place[2] * extent[1] + place[1]) * extent[0] + place[0]) as u32;
+    let own = |place: [usize; 3]| -> [bool; 3] { std::array::from_fn(|axis| place[axis] < cells[axis]) };
+    let mut pairs = Vec::new();
+    for_each_place(extent, |here| {
+        if own(here) == [true; 3] {
+            pairs.push([flat(here), flat(here)]);
+        }
+        for offset in later_neighbors() {
+            // A place below zero wraps around to a large number, which is outside as well.
+            let there: [usize; 3] = std::array::from_fn(|axis| here[axis].wrapping_add_signed(offset[axis]));
+            let inside = (0..3).all(|axis| there[axis] < extent[axis]);
+            if inside && (0..3).all(|axis| own(here)[axis] || own(there)[axis]) {
+                pairs.push([flat(here), flat(there)]);
             }
         }
-    }
-    offsets
+    });
+    pairs
+}
+
+/// The later half of the offsets to the surrounding cells.
+fn later_neighbors() -> impl Iterator<Item = [isize; 3]> {
+    let reach = REACH as isize;
+    let offsets = (-reach..=reach)
+        .flat_map(move |z| (-reach..=reach).flat_map(move |y| (-reach..=reach).map(move |x| [x, y, z])));
+    offsets.filter(|&[x, y, z]| (z, y, x) > (0, 0, 0))
 }

@@ -3,8 +3,8 @@
 //! The order follows from the positions at which the list was built and from the input: bricks by color, inside a brick the
 //! pairs of cells in the grid's order, inside these the particles by id, and all that packed into blocks that share no particle. Threads, timings and rebuild counts leave no trace.
 
-mod blocks;
 mod grid;
+mod listing;
 
 pub use grid::Grid;
 
@@ -14,7 +14,7 @@ use crate::interactions::Kind;
 use crate::pair::{Contacts, InstructionSet, Kernel};
 use crate::state::Particles;
 use crate::vector::{Vector, dot, subtract};
-use blocks::Blocks;
+use listing::{Coordinates, Listing, Scratch};
 use rayon::prelude::*;
 
 /// Two particles by their places in storage, and the image that brings them together.
@@ -72,6 +72,7 @@ pub struct NeighborList {
     /// Bricks ordered by color.
     bricks: Vec<Brick>,
     color_starts: [usize; 9],
+    coordinates: Coordinates,
     /// Positions at which the list was built, in storage order.
     reference: Vec<Vector>,
     /// For each image the offset of r_i − r_j.
@@ -106,6 +107,7 @@ impl NeighborList {
             skin,
             bricks,
             color_starts,
+            coordinates: Coordinates::default(),
             reference: Vec::new(),
             offsets: region.image_offsets(),
             kinds: false,
@@ -147,21 +149,37 @@ impl NeighborList {
             region.wrap(position, crossings);
         }
         let cell_starts = self.sort_by_cell(particles);
+        self.coordinates.update(&particles.position);
         let (grid, offsets, radius) = (&self.grid, &self.offsets, self.cutoff + self.skin);
-        let particles = &*particles;
-        let list = |blocks: &mut Blocks, brick: &mut Brick| {
-            list_pairs(brick, grid, &cell_starts, &particles.position, offsets, radius * radius);
+        let (particles, coordinates, starts) = (&*particles, &self.coordinates, &cell_starts);
+        let instructions = InstructionSet::detect();
+        // Of the pairs in a sphere of the list radius, those within the cutoff, and a little room.
+        let within = 1.1 * (self.cutoff / radius).powi(3);
+        let kinds = kind.is_some();
+        let list = |scratch: &mut Scratch, brick: &mut Brick| {
+            let Brick { coordinates: place, listed, contacts } = brick;
+            let radius_squared = radius * radius;
+            instructions.run(Listing {
+                grid,
+                brick: *place,
+                starts,
+                coordinates,
+                offsets,
+                radius_squared,
+                scratch,
+                listed,
+            });
+            contacts.reserve((within * listed.len() as f64) as usize, kinds);
             if let Some(kind) = kind {
-                brick.listed.iter_mut().for_each(|pair| pair.kind = kind(particles, pair.first, pair.second));
+                listed.iter_mut().for_each(|pair| pair.kind = kind(particles, pair.first, pair.second));
             }
-            blocks.pack(&mut brick.listed, particles.count());
         };
         match workers {
             Workers::One => {
-                let mut blocks = Blocks::default();
-                self.bricks.iter_mut().for_each(|brick| list(&mut blocks, brick));
+                let mut scratch = Scratch::default();
+                self.bricks.iter_mut().for_each(|brick| list(&mut scratch, brick));
             }
-            Workers::Pool => self.bricks.par_iter_mut().for_each_init(Blocks::default, list),
+            Workers::Pool => self.bricks.par_iter_mut().for_each_init(Scratch::default, list),
         }
         self.reference.clone_from(&particles.position);
         self.kinds = kind.is_some();
@@ -259,40 +277,6 @@ impl Kernel for BrickContacts<'_> {
     fn run(self) {
         self.brick.contacts.update(&self.brick.listed, self.particles, self.offsets, self.cutoff, self.kinds);
     }
-}
-
-fn list_pairs(
-    brick: &mut Brick,
-    grid: &Grid,
-    starts: &[u32],
-    position: &[Vector],
-    offsets: &[Vector; 27],
-    radius_squared: f64,
-) {
-    let listed = &mut brick.listed;
-    listed.clear();
-    grid.for_each_cell_pair(brick.coordinates, |here, there| {
-        let mine = starts[here.cell]..starts[here.cell + 1];
-        let (theirs, image) = match there {
-            Some(there) => (starts[there.cell]..starts[there.cell + 1], here.image_to(&there)),
-            None => (mine.clone(), PeriodicBox::image_index([0; 3])),
-        };
-        let offset = offsets[usize::from(image)];
-        for first in mine {
-            let from = if there.is_some() { theirs.start } else { first + 1 };
-            let x = position[first as usize];
-            let x = [x[0] + offset[0], x[1] + offset[1], x[2] + offset[2]];
-            // Every candidate is written, and only those within the radius advance the place: no branch to mispredict.
-            let mut count = listed.len();
-            listed.resize(count + (theirs.end - from) as usize, ListedPair { first, second: first, image, kind: 0 });
-            for second in from..theirs.end {
-                let d = subtract(x, position[second as usize]);
-                listed[count] = ListedPair { first, second, image, kind: 0 };
-                count += usize::from(dot(d, d) < radius_squared);
-            }
-            listed.truncate(count);
-        }
-    });
 }
 
 #[cfg(test)]

@@ -32,6 +32,23 @@ impl Contacts {
         self.distance.len()
     }
 
+    /// Makes room for so many contacts, so that finding them needs no memory.
+    pub(crate) fn reserve(&mut self, count: usize, kinds: bool) {
+        fn reserve<T>(column: &mut Vec<T>, count: usize) {
+            if column.capacity() < count {
+                column.clear();
+                column.reserve_exact(count);
+            }
+        }
+        reserve(&mut self.first, count);
+        reserve(&mut self.second, count);
+        reserve(&mut self.distance, count);
+        reserve(&mut self.direction, count);
+        if kinds {
+            reserve(&mut self.kind, count);
+        }
+    }
+
     /// The kind of a contact.
     #[inline(always)]
     pub fn kind(&self, k: usize) -> usize {
