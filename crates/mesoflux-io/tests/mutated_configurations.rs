@@ -3,8 +3,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test")]
 
+mod common;
 mod configuration;
 
+use common::Random;
 use configuration::{assert_consistent, files, format_of, parse};
 use mesoflux_io::configuration::Format;
 use std::time::{Duration, Instant};
@@ -34,18 +36,6 @@ const STRANGE: [&str; 20] = [
     "\"",
     "é",
 ];
-
-/// A small generator of its own (`SplitMix64`), so that the same mutations come on every machine.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % bound as u64) as usize
-    }
-}
 
 /// Flips a bit of one byte.
 fn flip(text: &mut [u8], random: &mut Random) {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{directory, input_files};
+use common::{Random, directory, input_files};
 use mesoflux_io::input::{Files, InputError, InputFile};
 
 const MUTATIONS: usize = 1000;
@@ -26,18 +26,6 @@ const STRANGE: [&str; 16] = [
     "1979-05-27",
     "é",
 ];
-
-/// A small generator of its own (`SplitMix64`), so that the same mutations come on every machine.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % bound as u64) as usize
-    }
-}
 
 /// Flips a bit of one byte; what is then no text becomes a replacement character.
 fn flip(text: &str, random: &mut Random) -> String {

@@ -1,4 +1,4 @@
-//! What the tests of input files share: the files under `tests/input`.
+//! What the tests of files share: the files under `tests/input`, and the numbers that mutations are drawn with.
 
 #![allow(dead_code, reason = "each test uses a part")]
 #![allow(clippy::unwrap_used, reason = "a test")]
@@ -28,4 +28,17 @@ pub fn input_files(folder: &str) -> Vec<PathBuf> {
 /// The name without folders.
 pub fn bare_name(path: &Path) -> &str {
     path.file_name().and_then(|name| name.to_str()).unwrap()
+}
+
+/// A small generator of its own (`SplitMix64`), so that the same mutations come on every machine.
+pub struct Random(pub u64);
+
+impl Random {
+    /// A number from 0 to `bound` − 1.
+    pub fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) % bound as u64) as usize
+    }
 }

@@ -37,18 +37,24 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), Failure> {
         let pairs = input.expected_pairs();
         total += particle_steps;
         text += &format!(
-            "# {runs} runs{at}: {} particles, about {pairs:.0} pairs within the cutoff, {} steps each, {particle_steps:.2e} particle-steps\n",
+            "# {}{at}: {} particles, about {pairs:.0} pairs within the cutoff, {} steps each, {particle_steps:.2e} particle-steps\n",
+            counted(runs, "run"),
             input.particles(),
             point.steps(),
         );
         for run in &point.runs {
             let strength: String = run.point().iter().map(|(key, value)| format!(", {key} = {value}")).collect();
-            text += &format!("#   {}{strength}, {} replicas\n", run.name(), input.run.replicas);
+            text += &format!("#   {}{strength}, {}\n", run.name(), counted(input.run.replicas, "replica"));
         }
     }
     text += &format!("# {total:.2e} particle-steps in all\n");
     text += &predicted(&plan, threads(arguments.threads))?;
     std::io::stdout().lock().write_all(text.as_bytes()).map_err(Failure::Output)
+}
+
+/// A number of things, "1 run" or "2 runs".
+fn counted(count: u64, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Memory and time on so many threads.
@@ -65,11 +71,12 @@ fn predicted(plan: &Plan, threads: usize) -> Result<String, Failure> {
     );
     if verdict.is_empty() {
         let duty = duty(plan, threads)?;
-        // Two significant places of a prediction are enough.
+        // Fractions of a second mean nothing here.
         let whole = Duration::from_secs_f64(duty.seconds.clamp(1.0, 1e12).round());
         text += &format!(
-            "# time: about {} on {threads} threads, {:.2e} particle-steps a second, as measured just now\n",
+            "# time: about {} on {}, {:.2e} particle-steps a second, as measured just now\n",
             humantime::format_duration(whole),
+            counted(threads as u64, "thread"),
             duty.rate,
         );
     }
