@@ -78,6 +78,11 @@ fn snapshots_that_do_not_fit_are_refused() {
     assert_eq!(refused(&|s| s.reference.truncate(10)), SnapshotError::Inconsistent);
     assert_eq!(refused(&|s| s.particles.species[7] = 9), SnapshotError::Inconsistent);
     assert_eq!(refused(&|s| s.reference.swap(5, 200)), SnapshotError::Order);
+    let sides = target.system.region.sides();
+    let found = [sides[1], sides[0], sides[2]];
+    assert_eq!(refused(&|s| s.sides = found), SnapshotError::Box { found, expected: sides });
+    let bond = mesoflux_core::bond::Bond { law: 0, first: 0, second: 1 };
+    assert_eq!(refused(&|s| s.bonds.push(bond)), SnapshotError::Bonds);
     assert_eq!(refused(&|s| s.particles.id.truncate(1)), SnapshotError::Count { found: 1, expected: 360 });
     target.restore(good.clone()).unwrap();
 }
