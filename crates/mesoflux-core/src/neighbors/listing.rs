@@ -120,13 +120,12 @@ fn near(
     let mut start = range.start;
     while start < range.end {
         let [x, y, z] = coordinates.lanes(start as usize);
-        let mut inside = [0u8; LANES];
+        let mut mask = 0u32;
         for lane in 0..LANES {
             let d = [position[0] - x[lane], position[1] - y[lane], position[2] - z[lane]];
             let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            inside[lane] = u8::from(squared < radius_squared);
+            mask |= u32::from(squared < radius_squared) << lane;
         }
-        let mut mask = bits(inside);
         let left = range.end - start;
         if left < LANES as u32 {
             mask &= (1 << left) - 1;
@@ -141,12 +140,6 @@ fn near(
         start += LANES as u32;
     }
     count
-}
-
-/// Eight numbers that are 0 or 1 as the bits of one: byte k, times 2^(56 − 7k), adds bit 56 + k, and nothing else reaches so far.
-#[inline(always)]
-fn bits(flags: [u8; LANES]) -> u32 {
-    (u64::from_le_bytes(flags).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u32
 }
 
 /// For each set of lanes the lanes that are in it, in order.
