@@ -1,5 +1,6 @@
 //! What stands first in the state of every run: enough to tell what it is and to start another run from it.
 
+use mesoflux_core::pair::KERNEL;
 use serde::{Deserialize, Serialize};
 
 /// The version of the layout of a state.
@@ -9,6 +10,8 @@ const LAYOUT: u32 = 2;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Head {
     layout: u32,
+    /// The set of kernels that computed it: another one may go on to other bits.
+    pub kernel: String,
     /// How many steps the run has done.
     pub steps: u64,
     /// The names of the species.
@@ -20,7 +23,7 @@ pub struct Head {
 impl Head {
     /// The head of a state of this version of the program.
     pub fn new(steps: u64, species: Vec<String>, bonds: Vec<String>) -> Self {
-        Self { layout: LAYOUT, steps, species, bonds }
+        Self { layout: LAYOUT, kernel: KERNEL.to_owned(), steps, species, bonds }
     }
 
     /// Reads the head of a state.

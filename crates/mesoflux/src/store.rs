@@ -1,6 +1,7 @@
 //! Where the runs of a job keep their states, so that nothing is lost.
 
 use crate::plan::Task;
+use mesoflux_core::pair::KERNEL;
 use mesoflux_core::simulation::SimulationSnapshot;
 use mesoflux_io::checkpoint::{CheckpointError, CheckpointFiles};
 use mesoflux_io::directory::{DirectoryError, OutputDirectory};
@@ -139,6 +140,12 @@ impl Store {
 fn decode(bytes: &[u8]) -> Result<RunState, String> {
     let unreadable = |error| format!("holds a state that can't be read: {error}");
     let ((head, state), rest) = postcard::take_from_bytes::<(Head, RunState)>(bytes).map_err(unreadable)?;
+    if head.kernel != KERNEL {
+        return Err(format!(
+            "was computed by the kernels \"{}\": must be \"{KERNEL}\", to go on to the same bits",
+            head.kernel
+        ));
+    }
     if !rest.is_empty() {
         return Err(format!("has {} bytes after the state: must have none", rest.len()));
     }
@@ -152,6 +159,39 @@ fn decode(bytes: &[u8]) -> Result<RunState, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_state_of_other_kernels_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(
+            OutputDirectory::explicit(folder.path(), true).unwrap(),
+            Cadence { steps: None, wall: Duration::MAX },
+        );
+        let mut head = Head::new(0, Vec::new(), Vec::new());
+        head.kernel = "abacus".to_owned();
+        let mut files = CheckpointFiles::new("run");
+        files.write(&store.directory, &postcard::to_stdvec(&(head, state())).unwrap()).unwrap();
+        let refused = store.read(&mut CheckpointFiles::new("run")).unwrap_err().to_string();
+        assert!(refused.contains("was computed by the kernels \"abacus\": must be \"portable\""), "{refused}");
+    }
+
+    /// The state of two particles at rest.
+    fn state() -> RunState {
+        use mesoflux_core::boundary::PeriodicBox;
+        use mesoflux_core::{
+            domain::Workers, integrate, interactions::Interactions, noise::NoiseKey, state::Particles,
+        };
+        use mesoflux_core::{friction::Friction, simulation::Simulation, system::System};
+        let friction =
+            Friction::Linear(mesoflux_core::friction::linear::Linear { coefficient: 1.0, cutoff: 1.0, exponent: 2.0 });
+        let particles = Particles::at_rest(vec![[0.5; 3], [1.5; 3]], vec![0; 2], &[1.0]);
+        let region = PeriodicBox::new([4.0; 3]).unwrap();
+        let laws = Interactions::uniform(None, Some(friction), 1.0);
+        let system = System::new(particles, region, laws, 0.3, Workers::One).unwrap();
+        let integrator = integrate::Integrator::VelocityVerlet(integrate::VelocityVerlet::new(1.0, 0.5));
+        let simulation = Simulation::new(system, integrator, None, NoiseKey::new(&[1]), 0.01).unwrap();
+        RunState { simulation: simulation.snapshot(), recorders: Vec::new() }
+    }
 
     #[test]
     fn a_state_is_due_by_steps_or_by_wall_time_but_costs_at_most_a_hundredth() {
