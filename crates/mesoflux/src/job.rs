@@ -265,7 +265,7 @@ fn perform_task(
             }
             Ok(LastKept::since(began, simulation.system.step))
         };
-        let mut last = Ok(LastKept::since(Instant::now(), finished.steps_before));
+        let mut last = Ok(LastKept::none(finished.steps_before, input.particles()));
         let ending = run(&mut simulation, length, &mut recorders, |simulation, recorders| {
             conduct.progress.step(&simulation.system);
             if let (Some(store), Ok(kept)) = (conduct.store, &last)

@@ -29,7 +29,15 @@ pub struct LastKept {
     took: Duration,
 }
 
+/// What a state takes to write for each particle, as long as none was written: measured with the longest records there are.
+const FIRST_STATE: Duration = Duration::from_micros(5);
+
 impl LastKept {
+    /// None is written yet in this session, which begins at `step`.
+    pub fn none(step: u64, particles: u64) -> Self {
+        Self { step, at: Instant::now(), took: FIRST_STATE.saturating_mul(particles.try_into().unwrap_or(u32::MAX)) }
+    }
+
     /// The state of this step is written now; writing began at `start`.
     pub fn since(start: Instant, step: u64) -> Self {
         let now = Instant::now();
