@@ -8,6 +8,7 @@ mod common;
 use common::{bare_name, directory, input_files};
 use mesoflux_io::input::{Files, Input, InputFile};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 fn read(name: &str) -> InputFile {
     let paths = input_files("good");
@@ -112,6 +113,16 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
             assert_eq!((&full.system, full.run.skin), (&input.system, None), "{name}: its points decide these");
         }
         assert_eq!(full.dynamics.word.as_deref(), derived.word, "{name}");
+    }
+}
+
+#[test]
+fn the_examples_are_good_inputs() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(paths.len() >= 4, "{paths:?}");
+    for path in paths {
+        InputFile::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
     }
 }
 

@@ -1,7 +1,8 @@
 //! The Verlet list: every pair within cutoff plus skin, in the order of the sweep.
 //!
 //! The order follows from the positions at which the list was built and from the input: bricks by color, inside a brick the
-//! pairs of cells in the grid's order, inside these the particles by id, and all that packed into blocks that share no particle. Threads, timings and rebuild counts leave no trace.
+//! pairs of cells in the grid's order, inside these the particles by id, and all that dealt out in rounds: the first pair of every
+//! particle, then the second, and so on. Threads, timings and rebuild counts leave no trace.
 
 mod grid;
 mod listing;
