@@ -28,6 +28,7 @@ const POSITIONS: u64 = 0;
 const MOMENTA: u64 = 1;
 const SHUFFLE: u64 = 2;
 const WALK: u64 = 3;
+const CHAINS: u64 = 4;
 
 /// Two particles that start too near to each other.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -126,7 +127,7 @@ pub fn remove_drift(particles: &mut Particles) {
 /// The beads have the ids from `first` on. A turn by more than 120 degrees is drawn again, so that beads two bonds apart are
 /// farther from each other than bonded ones.
 pub fn chain(lengths: &[f64], first: u64, region: &PeriodicBox, noise: NoiseKey) -> Vec<Vector> {
-    let (place, walk) = (noise.draw(Purpose::Start, 0, POSITIONS), noise.draw(Purpose::Start, 0, WALK));
+    let (place, walk) = (noise.draw(Purpose::Start, 0, CHAINS), noise.draw(Purpose::Start, 0, WALK));
     let mut position: Vector = std::array::from_fn(|axis| place.uniform(first, axis as u64) * region.sides()[axis]);
     let mut beads = vec![position];
     let mut before: Option<Vector> = None;
@@ -267,6 +268,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn no_chain_begins_where_a_free_particle_is_placed() {
+        let region = PeriodicBox::new([5.0; 3]).unwrap();
+        let free = positions(Start::Random, 50, &region, NOISE());
+        let firsts = (0..50).map(|first| chain(&[0.7], first, &region, NOISE())[0]);
+        assert!(firsts.zip(&free).all(|(bead, particle)| bead != *particle), "both draw the same numbers");
     }
 
     #[test]
