@@ -4,6 +4,7 @@ use crate::job::JobError;
 use crate::plan::{PointPlan, Task};
 use crate::route::RunKind;
 use mesoflux_core::bond::Topology;
+use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
 use mesoflux_core::noise::NoiseKey;
@@ -50,7 +51,7 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
     } else {
         let arrangement = input.system.start.arrangement().unwrap_or_default();
         let relax = arrangement == Start::Random || !input.molecule.is_empty();
-        (arranged(input, arrangement, noise), relax, true)
+        (arranged(input, arrangement, &region, noise), relax, true)
     };
     let topology = Topology::new(particles.count(), input.bond_laws(), input.bonds(), input.exclusion_range());
     let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)
@@ -72,9 +73,7 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
 }
 
 /// Molecules first, as random walks, then all other particles as the start arranges them.
-fn arranged(input: &Input, arrangement: Start, noise: NoiseKey) -> Particles {
-    // The box was found right when the input was read.
-    let Ok(region) = input.region() else { return Particles::default() };
+fn arranged(input: &Input, arrangement: Start, region: &PeriodicBox, noise: NoiseKey) -> Particles {
     let interactions = input.interactions();
     let laws = input.bond_laws();
     let mut free = input.species_counts();
@@ -87,13 +86,13 @@ fn arranged(input: &Input, arrangement: Start, noise: NoiseKey) -> Particles {
         };
         let lengths: Vec<f64> = molecule.species.windows(2).map(length).collect();
         for _ in 0..molecule.count {
-            sites.extend(chain(&lengths, sites.len() as u64, &region, noise));
+            sites.extend(chain(&lengths, sites.len() as u64, region, noise));
             species.extend_from_slice(&molecule.species);
         }
     }
     species.iter().for_each(|&kind| free[usize::from(kind)] -= 1);
     let dealt = deal_species(&free, noise);
-    sites.extend(positions(arrangement, dealt.len(), &region, noise));
+    sites.extend(positions(arrangement, dealt.len(), region, noise));
     species.extend(dealt);
     Particles::at_rest(sites, species, &input.masses())
 }

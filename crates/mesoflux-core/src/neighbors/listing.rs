@@ -41,6 +41,8 @@ impl Coordinates {
 #[derive(Debug, Clone, Copy)]
 struct Run {
     first: u32,
+    /// The place of the first particle among those that the brick sees.
+    seen: u32,
     count: u32,
     image: Image,
 }
@@ -49,10 +51,12 @@ struct Run {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     region: Vec<SeenCell>,
+    /// For each of these cells, how many particles the brick sees in those before it.
+    seen: Vec<u32>,
     /// The second particles of the pairs found, run after run.
     seconds: Vec<u32>,
     runs: Vec<Run>,
-    /// How many pairs of each particle are dealt out already; zero between bricks.
+    /// How many pairs of each seen particle are dealt out already.
     dealt: Vec<u32>,
     /// For each round, where its next pair goes.
     next: Vec<u32>,
@@ -80,8 +84,15 @@ impl Kernel for Listing<'_> {
         scratch.runs.clear();
         let mut found = 0;
         grid.region(brick, &mut scratch.region);
+        scratch.seen.clear();
+        let mut particles = 0;
+        for cell in &scratch.region {
+            scratch.seen.push(particles);
+            particles += starts[cell.cell + 1] - starts[cell.cell];
+        }
         for &[here, there] in grid.cell_pairs() {
             let itself = here == there;
+            let seen = scratch.seen[here as usize];
             let (here, there) = (scratch.region[here as usize], scratch.region[there as usize]);
             let (mine, theirs) = (starts[here.cell]..starts[here.cell + 1], starts[there.cell]..starts[there.cell + 1]);
             let image = here.image_to(&there);
@@ -90,19 +101,20 @@ impl Kernel for Listing<'_> {
             if scratch.seconds.len() < most {
                 scratch.seconds.resize(most, 0);
             }
-            for first in mine {
+            for first in mine.clone() {
                 let from = if itself { first + 1 } else { theirs.start };
                 let [x, y, z] = coordinates.lanes(first as usize).map(|lanes| lanes[0]);
                 let position = [x + offset[0], y + offset[1], z + offset[2]];
                 let before = found;
                 found = near(coordinates, position, from..theirs.end, radius_squared, &mut scratch.seconds, found);
                 if found > before {
-                    scratch.runs.push(Run { first, count: (found - before) as u32, image });
+                    let seen = seen + (first - mine.start);
+                    scratch.runs.push(Run { first, seen, count: (found - before) as u32, image });
                 }
             }
         }
         scratch.seconds.truncate(found);
-        scratch.deal(coordinates.axes[0].len(), listed);
+        scratch.deal(particles as usize, listed);
     }
 }
 
@@ -167,10 +179,11 @@ impl Scratch {
     /// follows from the order in which the pairs were found alone; pairs with the same first particle keep theirs.
     #[inline(always)]
     fn deal(&mut self, particles: usize, listed: &mut Vec<ListedPair>) {
+        self.dealt.clear();
         self.dealt.resize(particles, 0);
         self.next.clear();
         for run in &self.runs {
-            let dealt = &mut self.dealt[run.first as usize];
+            let dealt = &mut self.dealt[run.seen as usize];
             let rounds = (*dealt + run.count) as usize;
             if self.next.len() < rounds {
                 self.next.resize(rounds, 0);
@@ -182,7 +195,7 @@ impl Scratch {
         for next in &mut self.next {
             (start, *next) = (start + *next, start);
         }
-        self.runs.iter().for_each(|run| self.dealt[run.first as usize] = 0);
+        self.dealt.fill(0);
         listed.clear();
         if listed.capacity() < self.seconds.len() {
             // A little room for the next list, but no doubling: lists are most of what a simulation holds.
@@ -190,8 +203,8 @@ impl Scratch {
         }
         listed.resize(self.seconds.len(), ListedPair { first: 0, second: 0, image: 0, kind: 0 });
         let mut seconds = self.seconds.iter();
-        for &Run { first, count, image } in &self.runs {
-            let dealt = &mut self.dealt[first as usize];
+        for &Run { first, seen, count, image } in &self.runs {
+            let dealt = &mut self.dealt[seen as usize];
             let rounds = &mut self.next[*dealt as usize..(*dealt + count) as usize];
             for (next, &second) in rounds.iter_mut().zip(&mut seconds) {
                 listed[*next as usize] = ListedPair { first, second, image, kind: 0 };
@@ -199,6 +212,5 @@ impl Scratch {
             }
             *dealt += count;
         }
-        self.runs.iter().for_each(|run| self.dealt[run.first as usize] = 0);
     }
 }

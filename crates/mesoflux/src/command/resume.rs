@@ -1,8 +1,6 @@
 //! `mesoflux resume DIR`.
 
-use super::session::{
-    Failure, INPUT, Options, Outcome, START, STATES, Workplace, check_memory, perform_in, shell_word,
-};
+use super::session::{Failure, INPUT, Options, Outcome, START, STATES, Workplace, perform_in, planned, shell_word};
 use clap::Args;
 use mesoflux_io::directory::OutputDirectory;
 use mesoflux_io::input::{Files, Input, InputFile, Setting};
@@ -27,10 +25,10 @@ pub(super) fn resume(arguments: &Arguments) -> Result<(), Failure> {
     let workplace = Workplace::open(OutputDirectory::explicit(directory, true)?)?;
     let asked = directory.join(INPUT);
     let recorded = directory.join(STATES).join(INPUT);
-    // Killed before it was written down among the states, the input has no states yet.
     let read = |path: &Path, settings: &[Setting]| {
         InputFile::read_with(path, settings, Files::kept_in(&directory.join(START)))
     };
+    // Killed before it was written down among the states, the input has no states yet.
     let recorded = read(if recorded.exists() { &recorded } else { &asked }, &[])?;
     let mut settings = arguments.settings.clone();
     let mut file = read(&asked, &settings)?;
@@ -40,14 +38,14 @@ pub(super) fn resume(arguments: &Arguments) -> Result<(), Failure> {
         file = read(&asked, &settings)?;
     }
     check_extension(&recorded, &file)?;
-    check_memory(&file, &arguments.options)?;
+    let plan = planned(&file, &arguments.options)?;
     if longer {
         workplace.remove_results()?;
     }
     if file.text() != recorded.text() || !settings.is_empty() {
         workplace.write_input(&file)?;
     }
-    if perform_in(&workplace, &file, &arguments.options)? == Outcome::NothingToDo {
+    if perform_in(&workplace, &file, &plan, &arguments.options)? == Outcome::NothingToDo {
         let directory = shell_word(directory);
         let time = file.input.run.production_time;
         arguments.options.remark(&format!(

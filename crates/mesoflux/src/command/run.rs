@@ -1,6 +1,6 @@
 //! `mesoflux run INPUT.toml`.
 
-use super::session::{Failure, INPUT, Options, STATES, Workplace, check_memory, named_files, perform_in};
+use super::session::{Failure, INPUT, Options, STATES, Workplace, named_files, perform_in, planned};
 use clap::Args;
 use mesoflux_io::directory::OutputDirectory;
 use mesoflux_io::input::{InputFile, Setting};
@@ -32,7 +32,7 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
     let mut settings = arguments.settings;
     settings.extend(arguments.seed.map(|seed| Setting { path: "run.seed".into(), value: seed.to_string() }));
     let file = InputFile::read(&arguments.input, &settings)?;
-    check_memory(&file, &arguments.options)?;
+    let plan = planned(&file, &arguments.options)?;
     // Before anything of an earlier run is removed: it may be what this one starts from.
     let start = named_files(&file)?;
     let workplace = match &arguments.out {
@@ -54,6 +54,6 @@ pub(super) fn run(arguments: Arguments) -> Result<(), Failure> {
     };
     workplace.keep_files(&start)?;
     workplace.write_input(&file)?;
-    perform_in(&workplace, &file, &arguments.options)?;
+    perform_in(&workplace, &file, &plan, &arguments.options)?;
     Ok(())
 }

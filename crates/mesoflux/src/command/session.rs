@@ -197,10 +197,14 @@ pub(super) enum Outcome {
 }
 
 /// Does the job of an input in a directory, from whatever states are there.
-pub(super) fn perform_in(workplace: &Workplace, file: &InputFile, options: &Options) -> Result<Outcome, Failure> {
+pub(super) fn perform_in(
+    workplace: &Workplace,
+    file: &InputFile,
+    plan: &Plan,
+    options: &Options,
+) -> Result<Outcome, Failure> {
     let start = Instant::now();
     let directory = &workplace.directory;
-    let plan = Plan::new(file)?;
     let cadence = Cadence {
         steps: file.input.run.checkpoint_interval,
         wall: Duration::from_secs_f64(file.input.run.checkpoint_wall_seconds),
@@ -212,11 +216,11 @@ pub(super) fn perform_in(workplace: &Workplace, file: &InputFile, options: &Opti
     let stop = stop_at_signals()?;
     let deadline = options.max_wall.map(|wall| start + wall);
     let conduct = Conduct { threads, store: Some(&store), stop: &stop, deadline, progress: &progress };
-    let finished = perform(&plan, &conduct);
+    let finished = perform(plan, &conduct);
     progress.finish();
     let finished = finished.map_err(|error| Failure::from(error).in_directory(directory))?;
     let circumstances = Circumstances { threads, wall_seconds: start.elapsed().as_secs_f64() };
-    let answer = answer(&file.input, &plan, &finished, circumstances)?;
+    let answer = answer(&file.input, plan, &finished, circumstances)?;
     let json = serde_json::to_string_pretty(&answer.results)? + "\n";
     let write = || -> Result<(), DirectoryError> {
         for (name, contents) in &answer.files {
@@ -257,13 +261,14 @@ pub(super) fn threads(asked: Option<u64>) -> usize {
     }
 }
 
-/// Whether the job of an input fits into the memory that is free.
-pub(super) fn check_memory(file: &InputFile, options: &Options) -> Result<(), Failure> {
+/// The plan of an input, whose runs fit into the memory that is free.
+pub(super) fn planned(file: &InputFile, options: &Options) -> Result<Plan, Failure> {
     let plan = Plan::new(file)?;
     prediction::check_memory(&plan, threads(options.threads))?.map_err(|large| {
         let particles = if file.input.system.particles.is_some() { "system.particles" } else { "system" };
-        file.fault(&Invalid::new(particles, "", large)).into()
-    })
+        file.fault(&Invalid::new(particles, "", large))
+    })?;
+    Ok(plan)
 }
 
 /// The contents of the files that an input starts from, under the names by which a run keeps them.
