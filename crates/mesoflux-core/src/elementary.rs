@@ -1,10 +1,10 @@
 //! Elementary functions whose bits depend on nothing but their argument.
 //!
 //! The system's `exp`, `ln`, `sin` and `cos` differ between libraries, and a trajectory would differ with them.
-//! These use only additions, multiplications, divisions and bit operations, each correctly rounded by IEEE 754,
-//! and no fused multiply-add: every machine, with or without vector units, gives the same bits.
-//! They have no branches, so that a loop over them becomes vector instructions.
+//! These use only additions, multiplications, divisions, fused multiply-adds and bit operations, each correctly rounded by
+//! IEEE 754: every machine gives the same bits, for one number or for eight at a time. They have no branches.
 
+use crate::lanes::{Real, Words};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 
 // ln 2 in two parts: the first has 20 trailing zero bits, so that n·LN_2_HIGH is exact for |n| < 2²⁰.
@@ -14,111 +14,161 @@ const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);
 // Adding and subtracting 1.5·2⁵² rounds to the nearest integer and leaves it in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
+/// The nearest integer, for |x| < 2⁵¹; halves go to the even one.
+#[inline(always)]
+pub fn nearest_integer<R: Real>(x: R) -> R {
+    (x + R::splat(ROUND)) - R::splat(ROUND)
+}
+
 /// e^x − 1 for −700 ≤ x ≤ 700, also where x is small; arguments outside are taken as the nearest bound.
 ///
 /// Relative error below 4e-16 (tested).
 #[inline(always)]
-pub fn exp_minus_one(x: f64) -> f64 {
+pub fn exp_minus_one<R: Real>(x: R) -> R {
     let (scale, reduced) = scaled_exponential(x);
-    scale * reduced + (scale - 1.0)
+    scale.mul_add(reduced, scale - R::splat(1.0))
 }
 
 /// e^x for −700 ≤ x ≤ 700; arguments outside are taken as the nearest bound. Relative error below 4e-16 (tested).
 #[inline(always)]
-pub fn exp(x: f64) -> f64 {
+pub fn exp<R: Real>(x: R) -> R {
     let (scale, reduced) = scaled_exponential(x);
-    scale * reduced + scale
+    scale.mul_add(reduced, scale)
 }
+
+/// Taylor's series of (e^r − 1 − r)/r² to r¹¹, the highest power first: with |r| ≤ ½ ln 2 the rest is below 5e-17.
+const EXPONENTIAL: [f64; 12] = [
+    1.0 / 6_227_020_800.0,
+    1.0 / 479_001_600.0,
+    1.0 / 39_916_800.0,
+    1.0 / 3_628_800.0,
+    1.0 / 362_880.0,
+    1.0 / 40_320.0,
+    1.0 / 5_040.0,
+    1.0 / 720.0,
+    1.0 / 120.0,
+    1.0 / 24.0,
+    1.0 / 6.0,
+    0.5,
+];
 
 /// 2ⁿ and e^r − 1 with e^x = 2ⁿ e^r and |r| ≤ ½ ln 2.
 #[inline(always)]
-fn scaled_exponential(x: f64) -> (f64, f64) {
-    let x = if x < -700.0 { -700.0 } else { x };
-    let x = if x > 700.0 { 700.0 } else { x };
-    let shifted = x * LOG2_E + ROUND;
-    let n = shifted - ROUND;
-    let r = (x - n * LN_2_HIGH) - n * LN_2_LOW;
-    // Taylor's series of e^r − 1 − r to r¹³: with |r| ≤ ½ ln 2 the rest is below 5e-18.
-    let mut tail = 1.0 / 6_227_020_800.0;
-    tail = tail * r + 1.0 / 479_001_600.0;
-    tail = tail * r + 1.0 / 39_916_800.0;
-    tail = tail * r + 1.0 / 3_628_800.0;
-    tail = tail * r + 1.0 / 362_880.0;
-    tail = tail * r + 1.0 / 40_320.0;
-    tail = tail * r + 1.0 / 5_040.0;
-    tail = tail * r + 1.0 / 720.0;
-    tail = tail * r + 1.0 / 120.0;
-    tail = tail * r + 1.0 / 24.0;
-    tail = tail * r + 1.0 / 6.0;
-    tail = tail * r + 0.5;
-    let reduced = r + r * r * tail;
-    (f64::from_bits((shifted.to_bits() << 52).wrapping_add(1023 << 52)), reduced)
+fn scaled_exponential<R: Real>(x: R) -> (R, R) {
+    let (low, high) = (R::splat(-700.0), R::splat(700.0));
+    let x = R::select(x.below(low), low, x);
+    let x = R::select(high.below(x), high, x);
+    let shifted = x.mul_add(R::splat(LOG2_E), R::splat(ROUND));
+    let n = shifted - R::splat(ROUND);
+    let r = n.mul_add(R::splat(-LN_2_LOW), n.mul_add(R::splat(-LN_2_HIGH), x));
+    let reduced = (r * r).mul_add(r.polynomial(&EXPONENTIAL), r);
+    let scale = shifted.to_bits().shift_up::<52>().plus(R::Bits::splat(1023 << 52));
+    (R::from_bits(scale), reduced)
 }
+
+/// 1/(1 + m) for ½√2 ≤ m ≤ √2: the best parabola, right to 0.13 %, and three rounds of Newton's.
+#[inline(always)]
+fn inverse_of_one_plus<R: Real>(m: R) -> R {
+    let y = m + R::splat(1.0);
+    let mut inverse = y.polynomial(&[0.116_862_890_713_268_52, -0.722_444_113_355_671, 1.477_755_914_724_448_8]);
+    for _ in 0..3 {
+        let rest = (-y).mul_add(inverse, R::splat(1.0));
+        inverse = inverse.mul_add(rest, inverse);
+    }
+    inverse
+}
+
+/// The series of artanh(s)/s − 1 in s², over s².
+const LOGARITHM: [f64; 10] = [
+    1.0 / 21.0,
+    1.0 / 19.0,
+    1.0 / 17.0,
+    1.0 / 15.0,
+    1.0 / 13.0,
+    1.0 / 11.0,
+    1.0 / 9.0,
+    1.0 / 7.0,
+    1.0 / 5.0,
+    1.0 / 3.0,
+];
 
 /// ln u for a positive, finite, normal u.
 ///
 /// Relative error below 5e-16 away from u = 1, absolute error below 3e-16 near it (tested).
 #[inline(always)]
-pub fn ln(u: f64) -> f64 {
-    // u = 2^e m with ½√2 ≤ m < √2: subtracting the bits of ½√2 puts the exponent of m's interval into the high bits.
+pub fn ln<R: Real>(u: R) -> R {
+    // u = 2^e m with ½√2 ≤ m < √2: subtracting the bits of ½√2 puts the exponent of m's interval into the high bits, with 1024
+    // more to keep it positive, and leaves the place of m in the interval in the low ones.
     const HALF_SQRT_2: u64 = 0x3fe6_a09e_667f_3bcd;
-    let bits = u.to_bits().wrapping_sub(HALF_SQRT_2);
-    let exponent = (bits as i64) >> 52;
-    let m = f64::from_bits(u.to_bits().wrapping_sub((exponent << 52) as u64));
-    // An integer below 2⁵¹ becomes a number by way of the rounding constant: no conversion instruction is needed.
-    let e = f64::from_bits(ROUND.to_bits().wrapping_add(exponent as u64)) - ROUND;
-    let s = (m - 1.0) / (m + 1.0);
+    let place = u.to_bits().plus(R::Bits::splat((1024 << 52) - HALF_SQRT_2));
+    let m = R::from_bits((place & R::Bits::splat((1 << 52) - 1)).plus(R::Bits::splat(HALF_SQRT_2)));
+    // A small integer becomes a number by way of the rounding constant: no conversion instruction is needed.
+    let e = R::from_bits(place.shift_down::<52>().plus(R::Bits::splat(ROUND.to_bits()))) - R::splat(ROUND + 1024.0);
+    let s = (m - R::splat(1.0)) * inverse_of_one_plus(m);
     let z = s * s;
-    let mut series = 1.0 / 21.0;
-    series = series * z + 1.0 / 19.0;
-    series = series * z + 1.0 / 17.0;
-    series = series * z + 1.0 / 15.0;
-    series = series * z + 1.0 / 13.0;
-    series = series * z + 1.0 / 11.0;
-    series = series * z + 1.0 / 9.0;
-    series = series * z + 1.0 / 7.0;
-    series = series * z + 1.0 / 5.0;
-    series = series * z + 1.0 / 3.0;
-    let ln_m = 2.0 * s + 2.0 * s * (z * series);
-    e * LN_2_HIGH + (e * LN_2_LOW + ln_m)
+    let twice = s + s;
+    let ln_m = (twice * z).mul_add(z.polynomial(&LOGARITHM), twice);
+    e.mul_add(R::splat(LN_2_HIGH), e.mul_add(R::splat(LN_2_LOW), ln_m))
 }
 
-/// cos(2π u) for 0 ≤ u ≤ 1. Absolute error below 3e-16 (tested).
+/// 1/√x for a positive, normal x, without square root and division, which take their time one after the other.
+///
+/// Relative error below 4e-16 (tested); for x = 0 a large number.
 #[inline(always)]
-pub fn cos_two_pi(u: f64) -> f64 {
-    let shifted = 4.0 * u + ROUND;
-    let quadrant = shifted.to_bits();
-    let angle = (4.0 * u - (shifted - ROUND)) * FRAC_PI_2;
+pub fn inverse_sqrt<R: Real>(x: R) -> R {
+    // Half the exponent, and what then stands in the mantissa, is right to 3.5 %; each round of Newton's squares the error.
+    let halved = x.to_bits().shift_down::<1>();
+    let mut y = R::from_bits(R::Bits::splat(0x5fe6_eb50_c7b5_37a9).minus(halved));
+    let half = x * R::splat(-0.5);
+    for _ in 0..3 {
+        y = y * (half * y).mul_add(y, R::splat(1.5));
+    }
+    // The last round as a small correction, so that its rounding hardly counts.
+    let rest = (half * y).mul_add(y, R::splat(0.5));
+    y.mul_add(rest, y)
+}
+
+/// √x for a normal x > 0, and for x = 0 or below the smallest normal number zero. Relative error below 4e-16 (tested).
+#[inline(always)]
+pub fn sqrt<R: Real>(x: R) -> R {
+    let root = x * inverse_sqrt(x);
+    R::select(R::splat(f64::MIN_POSITIVE).below(x), root, R::splat(0.0))
+}
+
+/// The series of sin(x)/x − 1 in x², over x², to x²¹: with |x| ≤ π/2 the next terms are below 2e-18.
+const SINE: [f64; 10] = [
+    1.0 / 51_090_942_171_709_440_000.0,
+    -1.0 / 121_645_100_408_832_000.0,
+    1.0 / 355_687_428_096_000.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 362_880.0,
+    -1.0 / 5_040.0,
+    1.0 / 120.0,
+    -1.0 / 6.0,
+];
+
+/// sin(π/2 · x) for −1 ≤ x ≤ 1. Absolute error below 4e-16 (tested).
+#[inline(always)]
+pub fn sin_half_pi<R: Real>(x: R) -> R {
+    let angle = x * R::splat(FRAC_PI_2);
     let z = angle * angle;
-    // |angle| ≤ π/4: the next terms are below 5e-17.
-    let mut sine = -1.0 / 1_307_674_368_000.0;
-    sine = sine * z + 1.0 / 6_227_020_800.0;
-    sine = sine * z - 1.0 / 39_916_800.0;
-    sine = sine * z + 1.0 / 362_880.0;
-    sine = sine * z - 1.0 / 5_040.0;
-    sine = sine * z + 1.0 / 120.0;
-    sine = sine * z - 1.0 / 6.0;
-    let sine = angle + angle * (z * sine);
-    let mut cosine = 1.0 / 20_922_789_888_000.0;
-    cosine = cosine * z - 1.0 / 87_178_291_200.0;
-    cosine = cosine * z + 1.0 / 479_001_600.0;
-    cosine = cosine * z - 1.0 / 3_628_800.0;
-    cosine = cosine * z + 1.0 / 40_320.0;
-    cosine = cosine * z - 1.0 / 720.0;
-    cosine = cosine * z + 1.0 / 24.0;
-    let cosine = 1.0 - 0.5 * z + z * z * cosine;
-    // Quadrants 0 to 3: cos, −sin, −cos, sin.
-    let value = if quadrant & 1 == 0 { cosine } else { sine };
-    let negative = (quadrant + 1) & 2;
-    f64::from_bits(value.to_bits() ^ (negative << 62))
+    (angle * z).mul_add(z.polynomial(&SINE), angle)
+}
+
+/// cos(2π u) for 0 ≤ u ≤ 1. Absolute error below 1e-15.
+pub fn cos_two_pi(u: f64) -> f64 {
+    sin_half_pi(4.0 * (u - 0.5).abs() - 1.0)
 }
 
 /// x^s for x ≥ 0 and s > 0.
 #[inline(always)]
-pub fn power(x: f64, s: f64) -> f64 {
-    let safe = if x > f64::MIN_POSITIVE { x } else { f64::MIN_POSITIVE };
-    let value = exp(s * ln(safe));
-    if x > f64::MIN_POSITIVE { value } else { 0.0 }
+pub fn power<R: Real>(x: R, s: f64) -> R {
+    let smallest = R::splat(f64::MIN_POSITIVE);
+    let positive = smallest.below(x);
+    let value = exp(R::splat(s) * ln(R::select(positive, x, smallest)));
+    R::select(positive, value, R::splat(0.0))
 }
 
 #[cfg(test)]
@@ -152,14 +202,21 @@ mod tests {
     }
 
     #[test]
-    fn cosine_agrees_with_the_system_library() {
-        for u in grid(0.0, 1.0) {
-            // cos(2πu) = sin(2π(¼ − u)): the library's argument is exact enough only near zero, so fold first.
-            let folded = (0.25 - u) - (0.25 - u).round();
-            let expected = if folded.abs() > 0.25 { folded.signum() * 0.5 - folded } else { folded };
-            let error = (cos_two_pi(u) - (std::f64::consts::TAU * expected).sin()).abs();
-            assert!(error < 3e-16, "u = {u}: error {error}");
+    fn sine_agrees_with_the_system_library() {
+        for x in grid(-1.0, 1.0) {
+            let error = (sin_half_pi(x) - (FRAC_PI_2 * x).sin()).abs();
+            assert!(error < 4e-16, "x = {x}: error {error}");
         }
+    }
+
+    #[test]
+    fn square_roots_agree_with_the_system_library() {
+        for x in grid(0.25, 4.0).chain(grid(1e-6, 1.0)).chain((-1000..1000).map(|e| 1.37 * 2f64.powi(e))) {
+            let error = (inverse_sqrt(x) * x.sqrt() - 1.0).abs();
+            assert!(error < 4e-16, "x = {x}: relative error {error}");
+            assert!((sqrt(x) / x.sqrt() - 1.0).abs() < 4e-16, "x = {x}");
+        }
+        assert_eq!((sqrt(0.0), sqrt(-0.0), sqrt(1e-310)), (0.0, 0.0, 0.0));
     }
 
     #[test]

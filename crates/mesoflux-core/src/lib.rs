@@ -13,6 +13,7 @@ pub mod forcing;
 pub mod friction;
 pub mod integrate;
 pub mod interactions;
+pub mod lanes;
 pub mod neighbors;
 pub mod noise;
 pub mod observable;

@@ -2,8 +2,9 @@
 
 use crate::driving::{DrivenStep, Driving};
 use crate::forcing::ForcingError;
-use crate::integrate::{Columns, Integrator, Stroke};
+use crate::integrate::{Integrator, Stroke};
 use crate::noise::NoiseKey;
+use crate::state::Column;
 use crate::system::{SimulationError, Snapshot, SnapshotError, System};
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +30,7 @@ pub struct SimulationSnapshot {
     /// Particles, list, step.
     pub system: Snapshot,
     /// Where velocity Verlet keeps its forces.
-    pub velocity_verlet: Option<Columns>,
+    pub velocity_verlet: Option<Column>,
 }
 
 /// A simulation under way.
@@ -71,7 +72,7 @@ impl Simulation {
     /// The whole state, between two steps.
     pub fn snapshot(&self) -> SimulationSnapshot {
         let velocity_verlet = match &self.integrator {
-            Integrator::VelocityVerlet(scheme) => scheme.columns(),
+            Integrator::VelocityVerlet(scheme) => scheme.force_column(),
             Integrator::Splitting(_) => None,
         };
         SimulationSnapshot { system: self.system.snapshot(), velocity_verlet }
@@ -84,10 +85,10 @@ impl Simulation {
     pub fn restore(&mut self, snapshot: SimulationSnapshot) -> Result<(), SnapshotError> {
         self.system.restore(snapshot.system)?;
         match (&mut self.integrator, snapshot.velocity_verlet) {
-            (Integrator::VelocityVerlet(scheme), columns)
-                if columns.is_none_or(|c| c.are_in(&self.system.particles)) =>
+            (Integrator::VelocityVerlet(scheme), column)
+                if column.is_none_or(|column| self.system.particles.has_column(column)) =>
             {
-                scheme.resume(columns);
+                scheme.resume(column);
                 Ok(())
             }
             (Integrator::Splitting(_), None) => Ok(()),

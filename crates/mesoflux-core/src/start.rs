@@ -168,7 +168,7 @@ pub fn relax_overlaps(system: &mut System, temperature: f64) -> Result<(), Simul
     let (mut limit, hardening) = (0.1 * tolerated, if system.topology().bonds().is_empty() { 1.05 } else { 1.004 });
     for _ in 0..5000 {
         system.update_forces();
-        if system.forces().iter().all(|&f| norm(f) <= tolerated) {
+        if system.forces().iter().all(|f| norm(f.vector()) <= tolerated) {
             break;
         }
         limited_forces(system, limit, &mut push);
@@ -187,14 +187,14 @@ pub fn relax_overlaps(system: &mut System, temperature: f64) -> Result<(), Simul
 /// The forces with no pair's above a limit; a bond near its longest length pulls a hundred times harder.
 fn limited_forces(system: &mut System, limit: f64, force: &mut [Vector]) {
     force.fill(ZERO);
-    let (list, interactions, _) = system.with_contacts();
-    for brick in list.bricks() {
-        let contacts = &brick.contacts;
+    let region = system.region;
+    let (list, interactions, particles) = system.with_contacts();
+    for contacts in list.contacts() {
         for k in 0..contacts.count() {
             if let Some(law) = &interactions.potentials.entries()[contacts.kind(k)] {
-                let (i, j, r) = (contacts.first[k] as usize, contacts.second[k] as usize, contacts.distance[k]);
+                let ([i, j], (r, e)) = (contacts.pair(k), contacts.separation(k, &particles.position, &region));
                 // Two particles in one place have no direction of their own, nor every law a force there.
-                let e = if r > 0.0 { contacts.direction[k] } else { [1.0, 0.0, 0.0] };
+                let e = if r > 0.0 { e } else { [1.0, 0.0, 0.0] };
                 let force_of_law = law.force(r);
                 let magnitude = if force_of_law.is_nan() { limit } else { force_of_law.clamp(-limit, limit) };
                 add_scaled(&mut force[i], magnitude, e);
@@ -220,16 +220,16 @@ fn limited_forces(system: &mut System, limit: f64, force: &mut [Vector]) {
 pub fn check_overlaps(system: &mut System, temperature: f64) -> Result<(), Overlap> {
     let limit = 1000.0 * temperature;
     let mut worst: Option<Overlap> = None;
+    let region = system.region;
     let (list, interactions, particles) = system.with_contacts();
-    for brick in list.bricks() {
-        let contacts = &brick.contacts;
-        for (k, &distance) in contacts.distance.iter().enumerate() {
+    for contacts in list.contacts() {
+        for k in 0..contacts.count() {
             let Some(law) = interactions.potentials.entries()[contacts.kind(k)] else { continue };
+            let (distance, _) = contacts.separation(k, &particles.position, &region);
             let energy = law.energy(distance);
             let energy = if energy.is_nan() { f64::INFINITY } else { energy };
             if law.contact_distance() > 0.0 && energy > worst.as_ref().map_or(limit, |worst| worst.energy) {
-                let id = |place: u32| particles.id[place as usize];
-                let (a, b) = (id(contacts.first[k]), id(contacts.second[k]));
+                let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
                 worst = Some(Overlap { first: a.min(b), second: a.max(b), distance, energy, limit });
             }
         }
@@ -316,7 +316,7 @@ mod tests {
         let mut system = System::new(particles, region, interactions, 0.3, Workers::One).unwrap();
         relax_overlaps(&mut system, 1.0).unwrap();
         system.update_forces();
-        let largest = system.forces().iter().map(|&f| dot(f, f).sqrt()).fold(0.0, f64::max);
+        let largest = system.forces().iter().map(|f| dot(f.vector(), f.vector()).sqrt()).fold(0.0, f64::max);
         assert!(largest <= 100.0, "largest force {largest}");
     }
 }

@@ -30,6 +30,13 @@ pub struct Particles {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column(usize);
 
+impl Column {
+    /// Its place among the registered columns.
+    pub(crate) fn index(self) -> usize {
+        self.0
+    }
+}
+
 impl Particles {
     /// Particles at rest at the given positions; `masses` by species.
     pub fn at_rest(positions: Vec<Vector>, species: Vec<u8>, masses: &[f64]) -> Self {
@@ -74,18 +81,24 @@ impl Particles {
     }
 
     /// Puts the particle that is now in place `order[k]` into place k.
-    pub(crate) fn reorder(&mut self, order: &[u32]) {
-        fn permute<T: Copy>(column: &mut Vec<T>, order: &[u32]) {
-            *column = order.iter().map(|&k| column[k as usize]).collect();
+    pub(crate) fn reorder(&mut self, order: &[u32], workers: Workers) {
+        fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], workers: Workers) {
+            let mut permuted = vec![T::default(); column.len()];
+            workers.for_each_chunk(&mut permuted, |offset, chunk| {
+                for (entry, &k) in chunk.iter_mut().zip(&order[offset..]) {
+                    *entry = column[k as usize];
+                }
+            });
+            *column = permuted;
         }
-        permute(&mut self.id, order);
-        permute(&mut self.species, order);
-        permute(&mut self.position, order);
-        permute(&mut self.crossings, order);
-        permute(&mut self.momentum, order);
-        permute(&mut self.inverse_mass, order);
+        permute(&mut self.id, order, workers);
+        permute(&mut self.species, order, workers);
+        permute(&mut self.position, order, workers);
+        permute(&mut self.crossings, order, workers);
+        permute(&mut self.momentum, order, workers);
+        permute(&mut self.inverse_mass, order, workers);
         for column in &mut self.columns {
-            permute(column, order);
+            permute(column, order, workers);
         }
     }
 

@@ -4,10 +4,13 @@ use crate::bond::{Bond, Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::interactions::{Interactions, Kind, PairTable};
-use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
-use crate::pair::{PairSums, conservative_forces, pair_sums};
+use crate::lanes::Row;
+use crate::neighbors::{NeighborError, NeighborList};
+use crate::pair::{
+    PairNoise, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_sums, velocity_dependent_forces,
+};
 use crate::state::Particles;
-use crate::vector::{Vector, ZERO, dot};
+use crate::vector::{Vector, dot};
 use serde::{Deserialize, Serialize};
 
 /// A simulation that failed numerically.
@@ -68,7 +71,9 @@ pub struct System {
     pub step: u64,
     topology: Topology,
     list: NeighborList,
-    force: Vec<Vector>,
+    force: Vec<Row>,
+    /// Room for velocities, for those who need them by row.
+    velocity: Vec<Row>,
     contacts_current: bool,
     forces_current: bool,
     layout: u64,
@@ -188,7 +193,6 @@ impl System {
         workers: Workers,
     ) -> Result<Self, NeighborError> {
         let list = NeighborList::new(&region, interactions.cutoff(), skin, particles.count())?;
-        let force = vec![ZERO; particles.count()];
         let mut system = Self {
             particles,
             region,
@@ -197,7 +201,8 @@ impl System {
             step: 0,
             topology: Topology::default(),
             list,
-            force,
+            force: Vec::new(),
+            velocity: Vec::new(),
             contacts_current: false,
             forces_current: false,
             layout: 0,
@@ -252,15 +257,7 @@ impl System {
     }
 
     fn rebuild(&mut self) {
-        let (interactions, topology) = (&self.interactions, &self.topology);
-        let kinds = interactions.potentials.kinds();
-        let kind = |particles: &Particles, first: u32, second: u32| -> Kind {
-            let (i, j) = (first as usize, second as usize);
-            let kind = PairTable::<()>::kind(particles.species[i], particles.species[j]);
-            topology.exclusion(particles.id[i], particles.id[j]).kind(kind, kinds)
-        };
-        let kind: Option<&KindOfPair> = if interactions.single_kind() { None } else { Some(&kind) };
-        self.list.build(&mut self.particles, &self.region, kind, self.workers);
+        self.list.build(&mut self.particles, self.workers);
         self.topology.follow(&self.particles.id);
         self.contacts_current = false;
         self.forces_current = false;
@@ -280,7 +277,7 @@ impl System {
             particle: self.particles.id[k],
             distance: way(&k).sqrt(),
             speed: norm(self.particles.velocity(k)),
-            force: norm(self.force[k]),
+            force: self.force.get(k).map_or(0.0, |force| norm(force.vector())),
             limit,
         }
     }
@@ -293,7 +290,14 @@ impl System {
 
     fn update_contacts(&mut self) {
         if !self.contacts_current {
-            self.list.update_contacts(&self.particles, self.workers);
+            let (interactions, particles, topology) = (&self.interactions, &self.particles, &self.topology);
+            let kinds = interactions.potentials.kinds();
+            let kind = |first: u32, second: u32| -> Kind {
+                let (i, j) = (first as usize, second as usize);
+                let kind = PairTable::<()>::kind(particles.species[i], particles.species[j]);
+                topology.exclusion(particles.id[i], particles.id[j]).kind(kind, kinds)
+            };
+            self.list.update_contacts(particles, (!interactions.single_kind()).then_some(kind), self.workers);
             self.contacts_current = true;
         }
     }
@@ -313,25 +317,54 @@ impl System {
     pub fn update_forces(&mut self) {
         if !self.forces_current {
             self.update_contacts();
+            self.force.resize(self.particles.count(), Row::default());
             conservative_forces(&self.list, &self.interactions, &mut self.force, self.workers);
             self.topology.add_forces(&self.particles, &self.region, &mut self.force, self.workers);
             self.forces_current = true;
         }
     }
 
-    /// Adds the forces of the bonds at the present positions to a column in storage order.
-    pub(crate) fn add_bond_forces(&self, force: &mut [Vector]) {
-        self.topology.add_forces(&self.particles, &self.region, force, self.workers);
+    /// Conservative, dissipative and random forces at the present positions and the given velocities, in storage order.
+    pub(crate) fn velocity_dependent_forces(&mut self, velocity: &[Row], noise: &PairNoise) -> &[Row] {
+        self.update_contacts();
+        self.forces_current = false;
+        self.force.resize(self.particles.count(), Row::default());
+        let (particles, force) = (&self.particles, &mut self.force);
+        velocity_dependent_forces(&self.list, &self.interactions, velocity, noise, force, self.workers);
+        self.topology.add_forces(particles, &self.region, force, self.workers);
+        force
+    }
+
+    /// Lets the pair thermostat sweep once over all pairs; returns the expected change of the flux.
+    pub(crate) fn sweep(&mut self, sweep: &Sweep) -> f64 {
+        self.update_contacts();
+        let Self { particles, velocity, workers, .. } = self;
+        velocity.resize(particles.count(), Row::default());
+        workers.for_each_chunk(velocity, |offset, rows| {
+            for (k, row) in rows.iter_mut().enumerate() {
+                *row = Row::new(particles.velocity(offset + k), 0.0);
+            }
+        });
+        let expected = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
+        let inverse_mass = &particles.inverse_mass;
+        workers.for_each_chunk(&mut particles.momentum, |offset, momenta| {
+            for (k, momentum) in momenta.iter_mut().enumerate() {
+                let (velocity, inverse_mass) = (velocity[offset + k].vector(), inverse_mass[offset + k]);
+                *momentum = velocity.map(|v| v / inverse_mass);
+            }
+        });
+        expected
     }
 
     /// Potential energy, virial and Laplacian of pairs and bonds at the present positions.
     pub fn pair_sums(&mut self) -> PairSums {
         self.update_contacts();
-        pair_sums(&self.list, &self.interactions, self.workers) + self.topology.sums(&self.particles, &self.region)
+        pair_sums(&self.list, &self.interactions, &self.particles, self.workers)
+            + self.topology.sums(&self.particles, &self.region)
     }
 
     /// The conservative forces of the last `update_forces`, in storage order.
-    pub fn forces(&self) -> &[Vector] {
+    pub fn forces(&self) -> &[Row] {
         &self.force
     }
 

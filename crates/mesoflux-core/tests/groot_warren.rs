@@ -6,6 +6,7 @@ mod common;
 use common::{Fluid, advance, check_scores, replicas, seeds};
 use mesoflux_analysis::{Blocking, Estimate};
 use mesoflux_core::integrate::{FluxChange, Integrator, Schedule, Stroke};
+use mesoflux_core::lanes::Row;
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::observable::Thermodynamics;
 use mesoflux_core::system::System;
@@ -58,13 +59,14 @@ fn step_with_noise_work(system: &mut System, schedule: &Schedule, noise: NoiseKe
         let product = |system: &System| -> f64 {
             system.particles.momentum.iter().zip(&velocity).map(|(&p, &v)| dot(p, v)).sum()
         };
+        let rows: Vec<Row> = velocity.iter().map(|&v| Row::new(v, 0.0)).collect();
         let before = product(system);
         let stroke = Stroke {
             time: share * dt,
             place: place as u64,
             noise,
             backward: schedule.backward(system.step),
-            response: (letter.symbol() == 'O').then_some(&velocity),
+            response: (letter.symbol() == 'O').then_some(&rows),
         };
         if let FluxChange::Expected(expected) = letter.apply(system, &stroke).unwrap() {
             work += product(system) - before - expected;

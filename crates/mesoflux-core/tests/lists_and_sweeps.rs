@@ -20,9 +20,11 @@ fn no_pair_is_missed_however_long_a_list_is_kept() {
         let system = &mut simulation.system;
         let id = system.particles.id.clone();
         let mut found = BTreeSet::new();
-        for brick in system.contacts().bricks() {
-            for (&i, &j) in brick.contacts.first.iter().zip(&brick.contacts.second) {
-                let (i, j) = (id[i as usize] as usize, id[j as usize] as usize);
+        let cutoff = system.interactions.cutoff();
+        let (positions, region) = (system.particles.position.clone(), system.region);
+        for contacts in system.contacts().contacts() {
+            for k in (0..contacts.count()).filter(|&k| contacts.separation(k, &positions, &region).0 < cutoff) {
+                let [i, j] = contacts.pair(k).map(|place| id[place] as usize);
                 found.insert((i.min(j), i.max(j)));
             }
         }

@@ -81,7 +81,7 @@ fn holds_its_flux(fluid: &Fluid, forcing: impl Forcing + Copy + 'static) {
                 let driven = simulation.step().unwrap().unwrap();
                 let system = &simulation.system;
                 field.update(&system.particles, system.layout(), true, Workers::One);
-                let terms = field.response.iter().zip(&system.particles.momentum).map(|(&g, &p)| dot(g, p));
+                let terms = field.response.iter().zip(&system.particles.momentum).map(|(g, &p)| dot(g.vector(), p));
                 let (sum, scale) = terms.fold((0.0, 0.0), |(sum, scale), term| (sum + term, scale + term.abs()));
                 assert!((sum - flux).abs() <= 1e-12 * scale, "{word}, step {step}: R = {sum}, r = {flux}");
                 assert!((driven.flux - flux).abs() <= 1e-12 * scale, "{word}, step {step}: {driven:?}");

@@ -93,7 +93,7 @@ fn check_laplacian(mut system: System) {
                 moved.positions_moved().unwrap();
                 moved.update_forces();
                 let place = moved.particles.id.iter().position(|&id| id == system.particles.id[k]).unwrap();
-                moved.forces()[place][axis]
+                moved.forces()[place].vector()[axis]
             };
             divergence += (force(h) - force(-h)) / (2.0 * h);
         }

@@ -4,6 +4,7 @@ use super::BondLaw;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::interactions::Exclusion;
+use crate::lanes::Row;
 use crate::pair::PairSums;
 use crate::state::Particles;
 use crate::vector::{Vector, add_scaled, dot, subtract};
@@ -212,25 +213,21 @@ impl Topology {
     /// Adds f_i = Σ_bonds f(r_ij) e_ij for every particle, r_ij being the nearest image.
     ///
     /// Each end works out its own half, which is exactly the opposite of the other's: no two particles write to one place.
-    pub(crate) fn add_forces(
-        &self,
-        particles: &Particles,
-        region: &PeriodicBox,
-        force: &mut [Vector],
-        workers: Workers,
-    ) {
+    pub(crate) fn add_forces(&self, particles: &Particles, region: &PeriodicBox, force: &mut [Row], workers: Workers) {
         if self.bonds.is_empty() {
             return;
         }
         workers.for_each_chunk(force, |offset, forces| {
-            for (k, force) in forces.iter_mut().enumerate() {
+            for (k, row) in forces.iter_mut().enumerate() {
+                let mut force = row.vector();
                 let place = offset + k;
                 for end in self.ends.of(particles.id[place]) {
                     let d = self.separation(particles, region, place, end.partner);
                     let r = dot(d, d).sqrt();
                     let magnitude = self.laws[usize::from(end.law)].force(r);
-                    add_scaled(force, if r > 0.0 { magnitude / r } else { 0.0 }, d);
+                    add_scaled(&mut force, if r > 0.0 { magnitude / r } else { 0.0 }, d);
                 }
+                *row = Row::new(force, 0.0);
             }
         });
     }

@@ -30,6 +30,30 @@ impl Workers {
         }
     }
 
+    /// Calls `work(offset, chunk, chunk)` for consecutive chunks of two columns of equal length.
+    pub fn for_each_chunk_of_two<T: Send, U: Send>(
+        self,
+        first: &mut [T],
+        second: &mut [U],
+        work: impl Fn(usize, &mut [T], &mut [U]) + Sync,
+    ) {
+        match self {
+            Self::One => work(0, first, second),
+            Self::Pool => {
+                let chunks = first.par_chunks_mut(CHUNK).zip(second.par_chunks_mut(CHUNK));
+                chunks.enumerate().for_each(|(k, (first, second))| work(k * CHUNK, first, second));
+            }
+        }
+    }
+
+    /// Calls `work(k, item)` for every item, large pieces of work each.
+    pub fn for_each<T: Send>(self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync) {
+        match self {
+            Self::One => items.iter_mut().enumerate().for_each(|(k, item)| work(k, item)),
+            Self::Pool => items.par_iter_mut().enumerate().for_each(|(k, item)| work(k, item)),
+        }
+    }
+
     /// The sum of `term(k)` over 0 ≤ k < `count`, independent of the order of its terms.
     pub fn sum(self, count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
         let part = |range: std::ops::Range<usize>| {

@@ -3,9 +3,10 @@
 use super::{DrivenStep, Driving};
 use crate::forcing::{Forcing, ForcingError, ForcingField};
 use crate::integrate::FluxChange;
+use crate::lanes::Row;
 use crate::pair::dissipative_flux;
 use crate::system::System;
-use crate::vector::{Vector, add_scaled, dot};
+use crate::vector::{add_scaled, dot};
 
 /// Projects the momenta back onto G·p = r after every letter and books the multipliers.
 #[derive(Debug)]
@@ -41,8 +42,9 @@ impl Driving for ConstantFlux {
         self.field.forcing().check(system.particles.count())?;
         self.field.update(&system.particles, system.layout(), true, system.workers);
         // Rounding alone leaves about 1e-16 Σ|F·G|: anything that small controls nothing.
-        let scale =
-            system.workers.sum(system.particles.count(), |k| dot(self.field.force[k], self.field.response[k]).abs());
+        let scale = system
+            .workers
+            .sum(system.particles.count(), |k| dot(self.field.force[k], self.field.response[k].vector()).abs());
         if !(self.field.control.abs() > 1e-12 * scale) {
             return Err(ForcingError::NoControl(self.field.control));
         }
@@ -50,7 +52,7 @@ impl Driving for ConstantFlux {
         Ok(())
     }
 
-    fn response(&mut self, system: &System) -> Option<&[Vector]> {
+    fn response(&mut self, system: &System) -> Option<&[Row]> {
         self.field.update(&system.particles, system.layout(), false, system.workers);
         Some(&self.field.response)
     }
@@ -79,7 +81,8 @@ impl Driving for ConstantFlux {
         let field = &self.field;
         let workers = system.workers;
         let particles = &system.particles;
-        let conservative = workers.sum(particles.count(), |k| dot(field.response[k], system.forces()[k]));
+        let conservative =
+            workers.sum(particles.count(), |k| dot(field.response[k].vector(), system.forces()[k].vector()));
         let drift = workers.sum(particles.count(), |k| field.forcing().response_drift(particles, k));
         let dissipative = dissipative_flux(system.list(), &system.interactions, particles, &field.response, workers);
         Some(-(conservative + dissipative + drift) / field.control)

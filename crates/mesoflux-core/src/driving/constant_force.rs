@@ -3,8 +3,9 @@
 use super::{DrivenStep, Driving};
 use crate::forcing::{Forcing, ForcingError, ForcingField};
 use crate::integrate::FluxChange;
+use crate::lanes::Row;
 use crate::system::System;
-use crate::vector::{Vector, add_scaled};
+use crate::vector::add_scaled;
 
 /// Adds η F(q) to the conservative force in every kick.
 #[derive(Debug)]
@@ -27,7 +28,7 @@ impl Driving for ConstantForce {
         Ok(())
     }
 
-    fn response(&mut self, _system: &System) -> Option<&[Vector]> {
+    fn response(&mut self, _system: &System) -> Option<&[Row]> {
         None
     }
 

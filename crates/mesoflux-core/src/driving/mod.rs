@@ -8,8 +8,8 @@ pub use constant_force::ConstantForce;
 
 use crate::forcing::ForcingError;
 use crate::integrate::FluxChange;
+use crate::lanes::Row;
 use crate::system::System;
-use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
 /// A way to drive a system out of equilibrium.
@@ -21,7 +21,7 @@ pub trait Driving: std::fmt::Debug + Send + Sync {
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError>;
 
     /// G in storage order, where letters must tell their expected change of the flux G·p; for `system` before the letter.
-    fn response(&mut self, system: &System) -> Option<&[Vector]>;
+    fn response(&mut self, system: &System) -> Option<&[Row]>;
 
     /// Acts after the letter `symbol`, which took `time` and changed the flux as told.
     fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, change: FluxChange);

@@ -6,6 +6,7 @@ mod two_particle_drift;
 pub use color_drift::ColorDrift;
 pub use two_particle_drift::TwoParticleDrift;
 
+use crate::lanes::Row;
 use crate::state::Particles;
 use crate::vector::{Vector, ZERO, dot};
 use serde::{Deserialize, Serialize};
@@ -80,7 +81,7 @@ pub struct ForcingField {
     /// F.
     pub force: Vec<Vector>,
     /// G.
-    pub response: Vec<Vector>,
+    pub response: Vec<Row>,
     /// F·G.
     pub control: f64,
     layout: Option<u64>,
@@ -100,19 +101,19 @@ impl ForcingField {
         self.layout = Some(layout);
         let forcing = &self.forcing;
         self.force.resize(particles.count(), ZERO);
-        self.response.resize(particles.count(), ZERO);
+        self.response.resize(particles.count(), Row::default());
         workers.for_each_chunk(&mut self.force, |offset, chunk| {
             chunk.iter_mut().enumerate().for_each(|(k, f)| *f = forcing.force(particles, offset + k));
         });
         workers.for_each_chunk(&mut self.response, |offset, chunk| {
-            chunk.iter_mut().enumerate().for_each(|(k, g)| *g = forcing.response(particles, offset + k));
+            chunk.iter_mut().enumerate().for_each(|(k, g)| *g = Row::new(forcing.response(particles, offset + k), 0.0));
         });
-        self.control = workers.sum(particles.count(), |k| dot(self.force[k], self.response[k]));
+        self.control = workers.sum(particles.count(), |k| dot(self.force[k], self.response[k].vector()));
     }
 
     /// R = G·p.
     pub fn flux(&self, particles: &Particles, workers: crate::domain::Workers) -> f64 {
-        workers.sum(particles.count(), |k| dot(self.response[k], particles.momentum[k]))
+        workers.sum(particles.count(), |k| dot(self.response[k].vector(), particles.momentum[k]))
     }
 
     /// The forcing.

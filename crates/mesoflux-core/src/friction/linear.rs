@@ -2,6 +2,7 @@
 
 use super::PairFriction;
 use crate::elementary::power;
+use crate::lanes::Real;
 use crate::potential::Requirement;
 use serde::{Deserialize, Serialize};
 
@@ -43,9 +44,9 @@ impl PairFriction for Quadratic {
     }
 
     #[inline(always)]
-    fn strength(&self, r: f64) -> f64 {
-        let overlap = 1.0 - r / self.0.cutoff;
-        self.0.coefficient * (overlap * overlap)
+    fn strength<R: Real>(&self, r: R) -> R {
+        let overlap = R::splat(1.0) - r * R::splat(1.0 / self.0.cutoff);
+        R::splat(self.0.coefficient) * (overlap * overlap)
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64, Requirement)> {
@@ -59,8 +60,8 @@ impl PairFriction for Linear {
     }
 
     #[inline(always)]
-    fn strength(&self, r: f64) -> f64 {
-        self.coefficient * power(1.0 - r / self.cutoff, self.exponent)
+    fn strength<R: Real>(&self, r: R) -> R {
+        R::splat(self.coefficient) * power(R::splat(1.0) - r * R::splat(1.0 / self.cutoff), self.exponent)
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64, Requirement)> {

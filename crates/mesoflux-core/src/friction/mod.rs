@@ -3,6 +3,8 @@
 pub mod fluctuation_dissipation;
 pub mod linear;
 
+use crate::lanes::{BlockNumbers, Lanes, Real};
+use crate::pair::PairLaw;
 use crate::potential::Requirement;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +15,7 @@ pub trait PairFriction: Copy + Send + Sync {
     /// r_c: no friction at and beyond.
     fn cutoff(&self) -> f64;
     /// Γ(r).
-    fn strength(&self, r: f64) -> f64;
+    fn strength<R: Real>(&self, r: R) -> R;
     /// Name, value and requirement of every number that a user gives.
     fn parameters(&self) -> Vec<(&'static str, f64, Requirement)>;
 }
@@ -46,22 +48,24 @@ impl Friction {
     }
 
     /// Γ(r), zero at and beyond the cutoff.
-    pub fn strength(&self, r: f64) -> f64 {
-        with_law!(self, law => if r < law.cutoff() { law.strength(r) } else { 0.0 })
+    #[inline(always)]
+    pub fn strength<R: Real>(&self, r: R) -> R {
+        with_law!(self, law => R::select(r.below(R::splat(law.cutoff())), law.strength(r), R::splat(0.0)))
     }
 
     /// Name, value and requirement of every number that a user gives.
     pub fn parameters(&self) -> Vec<(&'static str, f64, Requirement)> {
         with_law!(self, law => law.parameters())
     }
+}
 
-    /// Adds Γ(r) to the strength of every listed distance below the cutoff where `selected` holds.
+impl PairLaw for Friction {
     #[inline(always)]
-    pub(crate) fn add_strengths(&self, distances: &[f64], selected: impl Fn(usize) -> bool, strengths: &mut [f64]) {
+    fn fill<L: Lanes>(&self, streams: usize, distance: &BlockNumbers, values: &mut BlockNumbers) {
         with_law!(self, law => {
-            let cutoff = law.cutoff();
-            for (k, (&r, strength)) in distances.iter().zip(strengths).enumerate() {
-                *strength += if selected(k) && r < cutoff { law.strength(r) } else { 0.0 };
+            for s in 0..streams {
+                let r = L::load(&distance[s]);
+                L::select(r.below(L::splat(law.cutoff())), law.strength(r), L::splat(0.0)).store(&mut values[s]);
             }
         });
     }

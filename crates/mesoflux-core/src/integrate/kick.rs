@@ -20,7 +20,7 @@ impl Letter for Kick {
         let force = system.forces();
         workers.for_each_chunk(&mut momenta, |offset, momenta| {
             for (k, momentum) in momenta.iter_mut().enumerate() {
-                add_scaled(momentum, stroke.time, force[offset + k]);
+                add_scaled(momentum, stroke.time, force[offset + k].vector());
             }
         });
         system.particles.momentum = momenta;

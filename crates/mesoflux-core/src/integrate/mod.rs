@@ -10,11 +10,11 @@ pub use drift::Drift;
 pub use kick::Kick;
 pub use pair_ornstein_uhlenbeck::PairOrnsteinUhlenbeck;
 pub use splitting::{Schedule, WordError};
-pub use velocity_verlet::{Columns, VelocityVerlet};
+pub use velocity_verlet::VelocityVerlet;
 
+use crate::lanes::Row;
 use crate::noise::NoiseKey;
 use crate::system::{SimulationError, System};
-use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
 /// What a letter is told: how long it acts, and whence its noise.
@@ -29,7 +29,7 @@ pub struct Stroke<'a> {
     /// Whether this step's sweeps go from the last pair to the first.
     pub backward: bool,
     /// G of every particle in storage order, where a driving follows the flux G·p.
-    pub response: Option<&'a [Vector]>,
+    pub response: Option<&'a [Row]>,
 }
 
 /// What a letter did to the flux G·p.

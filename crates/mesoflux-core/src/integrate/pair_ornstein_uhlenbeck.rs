@@ -2,7 +2,7 @@
 
 use super::{FluxChange, Letter, Stroke};
 use crate::noise::Purpose;
-use crate::pair::{Sweep, ornstein_uhlenbeck_sweep};
+use crate::pair::Sweep;
 use crate::system::{SimulationError, System};
 
 /// Every pair's relative velocity along its line of centers follows its Ornstein–Uhlenbeck process over the time t, one pair
@@ -21,15 +21,13 @@ impl Letter for PairOrnsteinUhlenbeck {
     }
 
     fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError> {
-        let (workers, step) = (system.workers, system.step);
-        let (list, interactions, particles) = system.with_contacts();
         let sweep = Sweep {
             temperature: self.temperature,
             time: stroke.time,
-            noise: stroke.noise.draw(Purpose::Pair, step, stroke.place),
+            noise: stroke.noise.draw(Purpose::Pair, system.step, stroke.place),
             backward: stroke.backward,
             response: stroke.response,
         };
-        Ok(FluxChange::Expected(ornstein_uhlenbeck_sweep(list, interactions, particles, &sweep, workers)))
+        Ok(FluxChange::Expected(system.sweep(&sweep)))
     }
 }

@@ -1,11 +1,11 @@
 //! Groot and Warren's modified velocity Verlet, J. Chem. Phys. 107, 4423 (1997), eq. 17.
 
+use crate::lanes::Row;
 use crate::noise::{NoiseKey, Purpose};
-use crate::pair::{PairNoise, velocity_dependent_forces};
-use crate::state::{Column, Particles};
+use crate::pair::PairNoise;
+use crate::state::Column;
 use crate::system::{SimulationError, System};
-use crate::vector::{Vector, ZERO, add_scaled};
-use serde::{Deserialize, Serialize};
+use crate::vector::add_scaled;
 
 /// q += Δt v + ½Δt² f/m; ṽ = v + λΔt f/m; f' = f(q', ṽ); v' = v + ½Δt (f + f')/m.
 ///
@@ -15,39 +15,25 @@ use serde::{Deserialize, Serialize};
 pub struct VelocityVerlet {
     temperature: f64,
     lambda: f64,
-    /// The force of the last step, and momenta halfway; they follow the particles through every reordering.
-    columns: Option<Columns>,
-    velocity: Vec<Vector>,
-}
-
-/// Where the scheme keeps its numbers between steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Columns {
-    force: Column,
-    predicted: Column,
-}
-
-impl Columns {
-    /// Whether the particles have both of them.
-    pub(crate) fn are_in(self, particles: &Particles) -> bool {
-        self.force != self.predicted && particles.has_column(self.force) && particles.has_column(self.predicted)
-    }
+    /// The force of the last step, which follows the particles through every reordering.
+    force: Option<Column>,
+    velocity: Vec<Row>,
 }
 
 impl VelocityVerlet {
     /// The scheme for kT and λ.
     pub fn new(temperature: f64, lambda: f64) -> Self {
-        Self { temperature, lambda, columns: None, velocity: Vec::new() }
+        Self { temperature, lambda, force: None, velocity: Vec::new() }
     }
 
-    /// The columns in use, once the first step is done.
-    pub fn columns(&self) -> Option<Columns> {
-        self.columns
+    /// Where the scheme keeps its forces, once the first step is done.
+    pub fn force_column(&self) -> Option<Column> {
+        self.force
     }
 
-    /// Goes on with columns that came with a restored state.
-    pub fn resume(&mut self, columns: Option<Columns>) {
-        self.columns = columns;
+    /// Goes on with a column that came with a restored state.
+    pub fn resume(&mut self, force: Option<Column>) {
+        self.force = force;
     }
 
     /// One step.
@@ -55,52 +41,65 @@ impl VelocityVerlet {
     /// # Errors
     /// A state that is no longer finite.
     pub fn step(&mut self, system: &mut System, noise: NoiseKey, time_step: f64) -> Result<(), SimulationError> {
-        let columns = match self.columns {
-            Some(columns) => columns,
+        let workers = system.workers;
+        let column = match self.force {
+            Some(column) => column,
             None => self.start(system, noise, time_step),
         };
         let particles = &mut system.particles;
-        for k in 0..particles.count() {
-            let force = particles.column(columns.force)[k];
-            let mut predicted = particles.momentum[k];
-            add_scaled(&mut predicted, self.lambda * time_step, force);
-            particles.column_mut(columns.predicted)[k] = predicted;
-            add_scaled(&mut particles.momentum[k], 0.5 * time_step, force);
-            let (w, p) = (particles.inverse_mass[k], particles.momentum[k]);
-            add_scaled(&mut particles.position[k], time_step * w, p);
-        }
+        let force = std::mem::take(particles.column_mut(column));
+        let (half, inverse_mass) = (0.5 * time_step, &particles.inverse_mass);
+        workers.for_each_chunk_of_two(
+            &mut particles.position,
+            &mut particles.momentum,
+            |offset, positions, momenta| {
+                let columns = force[offset..].iter().zip(&inverse_mass[offset..]);
+                for ((position, momentum), (&force, &inverse_mass)) in positions.iter_mut().zip(momenta).zip(columns) {
+                    add_scaled(momentum, half, force);
+                    add_scaled(position, time_step * inverse_mass, *momentum);
+                }
+            },
+        );
+        *particles.column_mut(column) = force;
         system.positions_moved()?;
-        self.evaluate(system, noise, time_step, columns, system.step + 1);
+        self.evaluate(system, noise, time_step, column, (self.lambda - 0.5) * time_step, system.step + 1);
         let particles = &mut system.particles;
-        for k in 0..particles.count() {
-            let force = particles.column(columns.force)[k];
-            add_scaled(&mut particles.momentum[k], 0.5 * time_step, force);
-        }
+        let force = &particles.columns[column.index()];
+        workers.for_each_chunk(&mut particles.momentum, |offset, momenta| {
+            for (momentum, &force) in momenta.iter_mut().zip(&force[offset..]) {
+                add_scaled(momentum, half, force);
+            }
+        });
         Ok(())
     }
 
-    fn start(&mut self, system: &mut System, noise: NoiseKey, time_step: f64) -> Columns {
-        let columns =
-            Columns { force: system.particles.register_column(), predicted: system.particles.register_column() };
-        self.columns = Some(columns);
-        let momentum = system.particles.momentum.clone();
-        system.particles.column_mut(columns.predicted).clone_from(&momentum);
-        self.evaluate(system, noise, time_step, columns, system.step);
-        columns
+    fn start(&mut self, system: &mut System, noise: NoiseKey, time_step: f64) -> Column {
+        let column = system.particles.register_column();
+        self.force = Some(column);
+        self.evaluate(system, noise, time_step, column, 0.0, system.step);
+        column
     }
 
-    /// The force at the present positions and predicted velocities, with the noise of the step at whose end it stands.
-    fn evaluate(&mut self, system: &mut System, noise: NoiseKey, time_step: f64, columns: Columns, step: u64) {
+    /// The force at the present positions and the velocities (p + t f)/m, with the noise of the step at whose end it stands.
+    fn evaluate(&mut self, system: &mut System, noise: NoiseKey, time_step: f64, column: Column, t: f64, step: u64) {
         let workers = system.workers;
         let noise = PairNoise { temperature: self.temperature, time_step, draw: noise.draw(Purpose::Pair, step, 0) };
-        let (list, interactions, particles) = system.with_contacts();
-        self.velocity.resize(particles.count(), ZERO);
-        for (k, velocity) in self.velocity.iter_mut().enumerate() {
-            *velocity = particles.column(columns.predicted)[k].map(|p| p * particles.inverse_mass[k]);
-        }
-        let mut force = std::mem::take(particles.column_mut(columns.force));
-        velocity_dependent_forces(list, interactions, particles, &self.velocity, &noise, &mut force, workers);
-        system.add_bond_forces(&mut force);
-        *system.particles.column_mut(columns.force) = force;
+        let (particles, force) = (&system.particles, system.particles.column(column));
+        self.velocity.resize(particles.count(), Row::default());
+        workers.for_each_chunk(&mut self.velocity, |offset, velocities| {
+            for (k, velocity) in velocities.iter_mut().enumerate() {
+                let mut predicted = particles.momentum[offset + k];
+                add_scaled(&mut predicted, t, force[offset + k]);
+                *velocity = Row::new(predicted.map(|p| p * particles.inverse_mass[offset + k]), 0.0);
+            }
+        });
+        let mut force = std::mem::take(system.particles.column_mut(column));
+        let rows = system.velocity_dependent_forces(&self.velocity, &noise);
+        workers.for_each_chunk(&mut force, |offset, forces| {
+            for (force, row) in forces.iter_mut().zip(&rows[offset..]) {
+                *force = row.vector();
+            }
+        });
+        *system.particles.column_mut(column) = force;
     }
 }

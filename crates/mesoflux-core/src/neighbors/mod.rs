@@ -1,45 +1,27 @@
-//! The Verlet list: every pair within cutoff plus skin, in the order of the sweep.
+//! The neighbor list: particles sorted by rows of cells, and the contacts found in them.
 //!
-//! The order follows from the positions at which the list was built and from the input: bricks by color, inside a brick the
-//! pairs of cells in the grid's order, inside these the particles by id, and all that dealt out in rounds: the first pair of every
-//! particle, then the second, and so on. Threads, timings and rebuild counts leave no trace.
+//! Particles are sorted anew when some two of them may have moved by the skin together; in between, a search of the near cells
+//! finds the pairs within the cutoff at every new position. There is no list of pairs to build and to keep.
+//!
+//! The order of pairs follows from the positions at the last sorting, the order of storage before it, and the input alone:
+//! bricks by color, inside a brick row by row, each with its near rows, particle by particle in storage order; `Contacts` says
+//! in which order these are visited. Threads, timings and how often the particles were sorted leave no trace.
 
 mod grid;
-mod listing;
+mod rows;
+mod search;
 
 pub use grid::Grid;
 
-use crate::boundary::{Image, PeriodicBox};
+use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::interactions::Kind;
-use crate::pair::{Contacts, InstructionSet, Kernel};
+use crate::lanes::{InstructionSet, Row};
+use crate::pair::Contacts;
 use crate::state::Particles;
 use crate::vector::{Vector, dot, subtract};
-use listing::{Coordinates, Listing, Scratch};
-use rayon::prelude::*;
-
-/// Two particles by their places in storage, and the image that brings them together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ListedPair {
-    /// Place of the first particle.
-    pub first: u32,
-    /// Place of the second particle.
-    pub second: u32,
-    /// Offset to add to r_first − r_second.
-    pub image: Image,
-    /// Which laws act between them; zero where there is but one kind of pair.
-    pub kind: Kind,
-}
-
-/// The pairs that one brick owns.
-#[derive(Debug, Clone, Default)]
-pub struct Brick {
-    coordinates: [usize; 3],
-    /// Pairs within the list radius when the list was built.
-    pub listed: Vec<ListedPair>,
-    /// Those within the cutoff now.
-    pub contacts: Contacts,
-}
+use rows::{SearchRow, search_radius_squared};
+use search::Search;
 
 /// A neighbor list that cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -64,27 +46,30 @@ pub enum NeighborError {
     Skin(f64),
 }
 
-/// The Verlet list of a system.
+/// A brick: the pairs of neighbors that one thread works on at a time.
+#[derive(Debug, Clone)]
+struct Brick {
+    coordinates: [usize; 2],
+    contacts: Contacts,
+}
+
+/// The neighbor list of a system.
 #[derive(Debug, Clone)]
 pub struct NeighborList {
+    region: PeriodicBox,
     grid: Grid,
     cutoff: f64,
     skin: f64,
     /// Bricks ordered by color.
     bricks: Vec<Brick>,
-    color_starts: [usize; 9],
-    coordinates: Coordinates,
-    /// Positions at which the list was built, in storage order.
+    color_starts: [usize; 5],
+    rows: Vec<SearchRow>,
+    /// Present positions and ids, in storage order.
+    points: Vec<Row>,
+    /// Positions at the last sorting, in storage order.
     reference: Vec<Vector>,
-    /// For each image the offset of r_i − r_j.
-    offsets: [Vector; 27],
-    /// Whether there are several kinds of pairs.
-    kinds: bool,
     builds: u64,
 }
-
-/// The kind of the pair of particles in two places.
-pub type KindOfPair<'a> = dyn Fn(&Particles, u32, u32) -> Kind + Sync + 'a;
 
 impl NeighborList {
     /// An empty list for a box, a largest cutoff and a number of particles.
@@ -101,17 +86,17 @@ impl NeighborList {
         }
         let grid = Grid::new(region, cutoff + skin, particles);
         let (order, color_starts) = grid.bricks_by_color();
-        let bricks = order.into_iter().map(|coordinates| Brick { coordinates, ..Brick::default() }).collect();
+        let brick = |coordinates| Brick { coordinates, contacts: Contacts::default() };
         Ok(Self {
+            region: *region,
+            rows: vec![SearchRow::default(); grid.row_count()],
             grid,
             cutoff,
             skin,
-            bricks,
+            bricks: order.into_iter().map(brick).collect(),
             color_starts,
-            coordinates: Coordinates::default(),
+            points: Vec::new(),
             reference: Vec::new(),
-            offsets: region.image_offsets(),
-            kinds: false,
             builds: 0,
         })
     }
@@ -129,121 +114,108 @@ impl NeighborList {
     }
 
     /// The squared way of the particle in place k since the last build.
+    #[inline(always)]
     pub fn displacement_squared(&self, particles: &Particles, k: usize) -> f64 {
         let moved = subtract(particles.position[k], self.reference[k]);
         dot(moved, moved)
     }
 
-    /// Wraps the positions, sorts the particles by cell and id, and lists all pairs within the list radius.
+    /// Wraps the positions and sorts the particles by cell; those of one cell keep their order.
     ///
     /// Positions must be finite.
-    ///
-    /// `kind` gives the kind of the pair of particles in two places; `None` where there is but one.
-    pub fn build(
-        &mut self,
-        particles: &mut Particles,
-        region: &PeriodicBox,
-        kind: Option<&KindOfPair>,
-        workers: Workers,
-    ) {
-        for (position, crossings) in particles.position.iter_mut().zip(&mut particles.crossings) {
-            region.wrap(position, crossings);
-        }
-        let cell_starts = self.sort_by_cell(particles);
-        self.coordinates.update(&particles.position);
-        let (grid, offsets, radius) = (&self.grid, &self.offsets, self.cutoff + self.skin);
-        let (particles, coordinates, starts) = (&*particles, &self.coordinates, &cell_starts);
-        let instructions = InstructionSet::detect();
-        // Of the pairs in a sphere of the list radius, those within the cutoff, and a little room.
-        let within = 1.1 * (self.cutoff / radius).powi(3);
-        let kinds = kind.is_some();
-        let list = |scratch: &mut Scratch, brick: &mut Brick| {
-            let Brick { coordinates: place, listed, contacts } = brick;
-            let radius_squared = radius * radius;
-            instructions.run(Listing {
-                grid,
-                brick: *place,
-                starts,
-                coordinates,
-                offsets,
-                radius_squared,
-                scratch,
-                listed,
-            });
-            contacts.reserve((within * listed.len() as f64) as usize, kinds);
-            if let Some(kind) = kind {
-                listed.iter_mut().for_each(|pair| pair.kind = kind(particles, pair.first, pair.second));
+    pub fn build(&mut self, particles: &mut Particles, workers: Workers) {
+        let region = self.region;
+        workers.for_each_chunk_of_two(&mut particles.position, &mut particles.crossings, |_, positions, crossings| {
+            for (position, crossings) in positions.iter_mut().zip(crossings) {
+                region.wrap(position, crossings);
             }
-        };
-        match workers {
-            Workers::One => {
-                let mut scratch = Scratch::default();
-                self.bricks.iter_mut().for_each(|brick| list(&mut scratch, brick));
-            }
-            Workers::Pool => self.bricks.par_iter_mut().for_each_init(Scratch::default, list),
-        }
+        });
+        let starts = self.sort_by_cell(particles, workers);
+        let (grid, cells) = (&self.grid, self.grid.cells);
+        workers.for_each(&mut self.rows, |number, row| row.sort(grid, &starts[number * cells..=(number + 1) * cells]));
         self.reference.clone_from(&particles.position);
-        self.kinds = kind.is_some();
         self.builds += 1;
     }
 
-    /// Sorts the particles by (cell, id); returns where each cell begins.
-    fn sort_by_cell(&self, particles: &mut Particles) -> Vec<u32> {
-        let count = particles.count();
-        let cell: Vec<u32> = particles.position.iter().map(|&x| self.grid.cell_of(x) as u32).collect();
-        let mut starts = vec![0u32; self.grid.cell_count() + 1];
+    /// Sorts the particles by cell; returns where each cell begins.
+    fn sort_by_cell(&self, particles: &mut Particles, workers: Workers) -> Vec<u32> {
+        let grid = &self.grid;
+        let mut cell = vec![0u32; particles.count()];
+        workers.for_each_chunk(&mut cell, |offset, cells| {
+            for (cell, position) in cells.iter_mut().zip(&particles.position[offset..]) {
+                *cell = grid.cell_of(position) as u32;
+            }
+        });
+        let mut starts = vec![0u32; grid.cell_count() + 1];
         cell.iter().for_each(|&c| starts[c as usize + 1] += 1);
-        for c in 0..self.grid.cell_count() {
+        for c in 0..grid.cell_count() {
             starts[c + 1] += starts[c];
         }
         let mut next = starts.clone();
-        let mut order = vec![0u32; count];
-        for k in 0..count {
-            let place = &mut next[cell[k] as usize];
+        let mut order = vec![0u32; particles.count()];
+        for (k, &c) in cell.iter().enumerate() {
+            let place = &mut next[c as usize];
             order[*place as usize] = k as u32;
             *place += 1;
         }
-        for pair in starts.windows(2) {
-            order[pair[0] as usize..pair[1] as usize].sort_unstable_by_key(|&k| particles.id[k as usize]);
-        }
-        particles.reorder(&order);
+        particles.reorder(&order, workers);
         starts
     }
 
-    /// Brings the contacts of every brick up to date with the positions.
-    pub fn update_contacts(&mut self, particles: &Particles, workers: Workers) {
-        let (offsets, cutoff, kinds) = (&self.offsets, self.cutoff, self.kinds);
+    /// Finds the contacts at the present positions; `kind` gives the kind of the pair of particles in two places where there
+    /// are several.
+    pub fn update_contacts<K>(&mut self, particles: &Particles, kind: Option<K>, workers: Workers)
+    where
+        K: Fn(u32, u32) -> Kind + Sync,
+    {
+        let (grid, region) = (&self.grid, &self.region);
+        self.points.resize(particles.count(), Row::default());
+        workers.for_each_chunk(&mut self.points, |offset, points| {
+            for (k, point) in points.iter_mut().enumerate() {
+                *point = Row::new(particles.position[offset + k], f64::from_bits(particles.id[offset + k]));
+            }
+        });
+        workers.for_each(&mut self.rows, |_, row| row.update(grid, region, &particles.position));
+        let (rows, squared) = (&self.rows, search_radius_squared(self.cutoff, region));
         let instructions = InstructionSet::detect();
-        let update = |brick: &mut Brick| instructions.run(BrickContacts { brick, particles, offsets, cutoff, kinds });
-        match workers {
-            Workers::One => self.bricks.iter_mut().for_each(update),
-            Workers::Pool => self.bricks.par_iter_mut().for_each(update),
-        }
+        workers.for_each(&mut self.bricks, |_, brick| {
+            let Brick { coordinates, contacts } = brick;
+            instructions.run(Search { grid, region, rows, brick: *coordinates, squared, contacts });
+            if let Some(kind) = &kind {
+                contacts.set_kinds(kind);
+            }
+        });
     }
 
-    /// Calls `work` for every brick, color after color; bricks that are visited at the same time touch no common particle.
+    /// Calls `work` with the contacts of every brick, color after color; bricks that are visited at the same time touch no
+    /// common particle.
     ///
     /// Returns what `work` returned, in the order of the bricks.
-    pub(crate) fn sweep<T: Send>(&self, backward: bool, workers: Workers, work: impl Fn(&Brick) -> T + Sync) -> Vec<T> {
+    pub(crate) fn sweep<T: Send>(
+        &self,
+        backward: bool,
+        workers: Workers,
+        work: impl Fn(&Contacts) -> T + Sync,
+    ) -> Vec<T> {
         let mut results: Vec<Option<T>> = Vec::new();
         results.resize_with(self.bricks.len(), || None);
-        for step in 0..8 {
-            let color = if backward { 7 - step } else { step };
+        for step in 0..4 {
+            let color = if backward { 3 - step } else { step };
             let range = self.color_starts[color]..self.color_starts[color + 1];
-            let (bricks, results) = (&self.bricks[range.clone()], &mut results[range]);
-            match workers {
-                Workers::One => bricks.iter().zip(results).for_each(|(brick, result)| *result = Some(work(brick))),
-                Workers::Pool => {
-                    bricks.par_iter().zip(results).for_each(|(brick, result)| *result = Some(work(brick)));
-                }
-            }
+            let bricks = &self.bricks[range.clone()];
+            workers.for_each(&mut results[range], |k, result| *result = Some(work(&bricks[k].contacts)));
         }
         results.into_iter().flatten().collect()
     }
 
-    /// The bricks in the forward order of the sweep.
-    pub fn bricks(&self) -> &[Brick] {
-        &self.bricks
+    /// The contacts of each brick, the bricks in the forward order of the sweep.
+    pub fn contacts(&self) -> impl Iterator<Item = &Contacts> {
+        self.bricks.iter().map(|brick| &brick.contacts)
+    }
+
+    /// Positions and, as bits, ids at the time when the contacts were found, in storage order.
+    pub(crate) fn points(&self) -> &[Row] {
+        &self.points
     }
 
     /// The positions at which the list was built, in storage order.
@@ -260,23 +232,10 @@ impl NeighborList {
     pub fn skin(&self) -> f64 {
         self.skin
     }
-}
 
-/// Brings one brick's contacts up to date.
-struct BrickContacts<'a> {
-    brick: &'a mut Brick,
-    particles: &'a Particles,
-    offsets: &'a [Vector; 27],
-    cutoff: f64,
-    kinds: bool,
-}
-
-impl Kernel for BrickContacts<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.brick.contacts.update(&self.brick.listed, self.particles, self.offsets, self.cutoff, self.kinds);
+    /// The box.
+    pub fn region(&self) -> &PeriodicBox {
+        &self.region
     }
 }
 

@@ -1,8 +1,10 @@
-//! The list against all pairs in all images, on random states of random shapes.
+//! The contacts against all pairs in all images, on random states of random shapes.
 
 use super::*;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+
+const NO_KINDS: Option<fn(u32, u32) -> Kind> = None;
 
 fn random_particles(count: usize, sides: Vector, seed: u64) -> Particles {
     let draw = crate::noise::NoiseKey::new(&[seed]).draw(crate::noise::Purpose::Start, 0, 0);
@@ -11,19 +13,26 @@ fn random_particles(count: usize, sides: Vector, seed: u64) -> Particles {
     Particles::at_rest(positions.collect(), vec![0; count], &[1.0])
 }
 
-/// Every pair within the radius, with its image, by brute force.
+/// A list with its contacts, after everybody moved by less than half the skin along one of the diagonals.
+fn moved_list(particles: &mut Particles, region: &PeriodicBox, skin: f64) -> NeighborList {
+    let mut list = NeighborList::new(region, 1.0, skin, particles.count()).unwrap();
+    list.build(particles, Workers::One);
+    for (k, position) in particles.position.iter_mut().enumerate() {
+        let step = if k % 2 == 0 { 0.288 } else { -0.288 };
+        *position = position.map(|x| x + step * skin);
+    }
+    assert!(!list.is_spent(particles, Workers::One));
+    list.update_contacts(particles, NO_KINDS, Workers::One);
+    list
+}
+
+/// The ids of every pair within the radius, by brute force.
 fn all_pairs(particles: &Particles, region: &PeriodicBox, radius: f64) -> BTreeSet<(u64, u64)> {
     let mut found = BTreeSet::new();
     for i in 0..particles.count() {
         for j in 0..i {
-            let d = subtract(particles.position[i], particles.position[j]);
-            let nearest: f64 = (0..3)
-                .map(|axis| {
-                    let side = region.sides()[axis];
-                    (d[axis] - side * (d[axis] / side).round()).powi(2)
-                })
-                .sum();
-            if nearest < radius * radius {
+            let d = region.nearest_image(subtract(particles.position[i], particles.position[j]));
+            if dot(d, d) < radius * radius {
                 found.insert((particles.id[i].min(particles.id[j]), particles.id[i].max(particles.id[j])));
             }
         }
@@ -32,42 +41,36 @@ fn all_pairs(particles: &Particles, region: &PeriodicBox, radius: f64) -> BTreeS
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
     #[test]
-    fn lists_exactly_the_pairs_within_the_radius(
-        sides in [2.6..9.0f64, 2.6..9.0f64, 2.6..20.0f64], count in 2usize..200, seed: u64,
+    fn finds_exactly_the_pairs_within_the_cutoff(
+        sides in [2.6..9.0f64, 2.6..9.0f64, 2.6..20.0f64], count in 2usize..400, skin in 0.01..0.3f64, seed: u64,
     ) {
         let region = PeriodicBox::new(sides).unwrap();
         let mut particles = random_particles(count, sides, seed);
-        let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
-        list.build(&mut particles, &region, None, Workers::One);
-        let expected = all_pairs(&particles, &region, 1.3);
+        let list = moved_list(&mut particles, &region, skin);
         let mut found = BTreeSet::new();
-        for brick in list.bricks() {
-            for pair in &brick.listed {
-                let (i, j) = (pair.first as usize, pair.second as usize);
-                let ids = (particles.id[i].min(particles.id[j]), particles.id[i].max(particles.id[j]));
-                prop_assert!(found.insert(ids), "pair {ids:?} is listed twice");
-                let offset = list.offsets[usize::from(pair.image)];
-                let d = subtract(particles.position[i], particles.position[j]);
-                let d: Vector = std::array::from_fn(|axis| d[axis] + offset[axis]);
-                prop_assert!(dot(d, d) < 1.3 * 1.3);
+        for contacts in list.contacts() {
+            for k in 0..contacts.count() {
+                let (r, _) = contacts.separation(k, &particles.position, &region);
+                prop_assert!(r < 1.001, "a pair at {r} is no neighbor");
+                let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
+                prop_assert!(r >= 1.0 || found.insert((a.min(b), a.max(b))), "the pair {a}, {b} is found twice");
             }
         }
-        prop_assert_eq!(found, expected);
+        prop_assert_eq!(found, all_pairs(&particles, &region, 1.0));
     }
 
     #[test]
     fn bricks_of_one_color_share_no_particle(sides in [2.6..16.0f64, 2.6..16.0f64, 2.6..16.0f64], seed: u64) {
         let region = PeriodicBox::new(sides).unwrap();
-        let mut particles = random_particles(300, sides, seed);
-        let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
-        list.build(&mut particles, &region, None, Workers::One);
-        for color in 0..8 {
-            let mut owner = vec![None; 300];
+        let mut particles = random_particles(1000, sides, seed);
+        let list = moved_list(&mut particles, &region, 0.3);
+        for color in 0..4 {
+            let mut owner = vec![None; 1000];
             for brick in &list.bricks[list.color_starts[color]..list.color_starts[color + 1]] {
-                for place in brick.listed.iter().flat_map(|pair| [pair.first, pair.second]) {
-                    let owner = &mut owner[place as usize];
+                for place in (0..brick.contacts.count()).flat_map(|k| brick.contacts.pair(k)) {
+                    let owner = &mut owner[place];
                     prop_assert!(owner.is_none() || *owner == Some(brick.coordinates));
                     *owner = Some(brick.coordinates);
                 }
@@ -76,20 +79,40 @@ proptest! {
     }
 
     #[test]
-    fn the_order_does_not_depend_on_the_storage(seed: u64) {
-        let region = PeriodicBox::new([6.0, 5.0, 7.0]).unwrap();
-        let ids = |shuffled: bool| {
-            let mut particles = random_particles(150, region.sides(), seed);
-            if shuffled {
-                particles.reorder(&(0..150).map(|k| k * 77 % 150).collect::<Vec<_>>());
+    fn a_sweep_visits_every_contact_once_in_either_direction(count in 0usize..300) {
+        let contacts = Contacts::of(&vec![[0, 1]; count]);
+        let order: Vec<usize> = contacts.in_order().collect();
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        prop_assert_eq!(sorted, (0..count).collect::<Vec<_>>());
+        let length = count / 8;
+        for (n, &k) in order.iter().enumerate() {
+            prop_assert_eq!(k, if n < 8 * length { n % 8 * length + n / 8 } else { n });
+        }
+    }
+}
+
+/// Particles on the faces, edges and corners of cells and of the box, and pairs as far apart as the cutoff: nobody is missed.
+#[test]
+fn particles_on_faces_of_cells_find_their_neighbors() {
+    for (spacing, skin) in [(0.5, 0.3), (1.3, 0.3), (1.0, 0.3), (0.65, 0.3), (1.0, 0.25)] {
+        let count = (5.2 / spacing as f64).round() as usize;
+        let side = count as f64 * spacing;
+        let region = PeriodicBox::new([side; 3]).unwrap();
+        let sites =
+            (0..count.pow(3)).map(|k| [k % count, k / count % count, k / count / count].map(|c| c as f64 * spacing));
+        let mut particles = Particles::at_rest(sites.collect(), vec![0; count.pow(3)], &[1.0]);
+        let mut list = NeighborList::new(&region, 1.0, skin, particles.count()).unwrap();
+        list.build(&mut particles, Workers::One);
+        list.update_contacts(&particles, NO_KINDS, Workers::One);
+        let mut found = BTreeSet::new();
+        for contacts in list.contacts() {
+            for k in (0..contacts.count()).filter(|&k| contacts.separation(k, &particles.position, &region).0 < 1.0) {
+                let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
+                assert!(found.insert((a.min(b), a.max(b))));
             }
-            let mut list = NeighborList::new(&region, 1.0, 0.3, 200).unwrap();
-            list.build(&mut particles, &region, None, Workers::One);
-            list.bricks.iter().flat_map(|brick| &brick.listed)
-                .map(|pair| (particles.id[pair.first as usize], particles.id[pair.second as usize]))
-                .collect::<Vec<_>>()
-        };
-        prop_assert_eq!(ids(false), ids(true));
+        }
+        assert_eq!(found, all_pairs(&particles, &region, 1.0), "spacing {spacing}");
     }
 }
 
@@ -104,7 +127,12 @@ fn boxes_below_twice_the_list_radius_are_refused_with_the_smallest_legal_side() 
 
 #[test]
 fn a_nearly_empty_box_needs_little_memory() {
-    let region = PeriodicBox::new([1e6, 1e6, 1e4]).unwrap();
-    let list = NeighborList::new(&region, 1.0, 0.3, 10).unwrap();
-    assert!(list.grid.cell_count() < 1000, "{} cells", list.grid.cell_count());
+    for sides in [[1e6, 1e6, 1e4], [3.0, 1e7, 1e7], [1e7, 3.0, 3.0], [1e9, 1e9, 1e9]] {
+        let region = PeriodicBox::new(sides).unwrap();
+        let mut particles = random_particles(10, sides, 1);
+        let mut list = NeighborList::new(&region, 1.0, 0.3, 10).unwrap();
+        assert!(list.grid.row_count() < 1000 && list.grid.cell_count() < 10_000, "{sides:?}: {:?}", list.grid);
+        list.build(&mut particles, Workers::One);
+        list.update_contacts(&particles, NO_KINDS, Workers::One);
+    }
 }

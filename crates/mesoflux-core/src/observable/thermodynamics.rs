@@ -87,7 +87,7 @@ impl Thermodynamics {
             kinetic_temperature,
             potential_energy: sums.potential_energy,
             pressure: count as f64 / volume * kinetic_temperature + sums.virial / (3.0 * volume),
-            force_squared: workers.sum(count, |k| dot(forces[k], forces[k])),
+            force_squared: workers.sum(count, |k| dot(forces[k].vector(), forces[k].vector())),
             laplacian: sums.laplacian,
         }
     }

@@ -1,212 +1,197 @@
-//! The pairs within the cutoff at the present positions, with distance and direction: found once, used by every pass.
+//! The pairs within the cutoff at the present positions: found once, visited by every pass in one order.
 
-use crate::friction::Friction;
+use crate::boundary::PeriodicBox;
 use crate::interactions::{Kind, PairTable};
-use crate::neighbors::ListedPair;
-use crate::potential::Potential;
-use crate::state::Particles;
-use crate::vector::{Vector, ZERO};
-use std::ops::Range;
+use crate::lanes::{BlockNumbers, Lanes, SEARCH_WIDTH, WIDTH};
+use crate::vector::{Vector, dot, subtract};
 
-/// Contacts are worked on in chunks whose intermediate columns stay in the nearest cache.
-pub(crate) const CHUNK: usize = 128;
-
-/// Pairs within the cutoff, in the order of the list they were taken from.
+/// Pairs of particles by their places in storage.
+///
+/// A few stand in it that are not quite near enough for any law (see the search in `neighbors`); they feel nothing.
+///
+/// # Order of visits
+/// A sweep goes through eight streams in lockstep. With n contacts and l = ⌊n/8⌋ it visits the contacts 0, l, 2l, …, 7l, then
+/// 1, l + 1, …, 7l + 1, and so on, at last the rest from 8l on. So contacts that share a particle, neighbors in one stream,
+/// are seldom visited one right after the other, and the processor works on several at a time.
 #[derive(Debug, Clone, Default)]
 pub struct Contacts {
-    /// Place of the first particle of each pair.
-    pub first: Vec<u32>,
-    /// Place of the second particle of each pair.
-    pub second: Vec<u32>,
-    /// r.
-    pub distance: Vec<f64>,
-    /// e = (r_first − r_second)/r; zero for coincident particles.
-    pub direction: Vec<Vector>,
-    /// Which species meet; empty where there is but one.
-    pub kind: Vec<Kind>,
+    first: Vec<u32>,
+    second: Vec<u32>,
+    /// Which laws act between them; empty where there is but one kind of pair.
+    kind: Vec<Kind>,
+    count: usize,
+    /// All places are below this, also those that stand behind the last contact.
+    places_below: usize,
+}
+
+/// Contacts that are worked on together: contact `first + s·stride + k` is entry k < `depth` of stream s < `streams`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Block {
+    first: usize,
+    stride: usize,
+    pub streams: usize,
+    pub depth: usize,
+}
+
+impl Block {
+    /// The index of the first contact of a stream.
+    #[inline(always)]
+    pub fn stream(&self, stream: usize) -> usize {
+        self.first + stream * self.stride
+    }
+}
+
+/// A law between two particles that follows from their distance.
+pub(crate) trait PairLaw {
+    /// Its values at a block's distances; zero at and beyond the cutoff.
+    fn fill<L: Lanes>(&self, streams: usize, distance: &BlockNumbers, values: &mut BlockNumbers);
 }
 
 impl Contacts {
-    /// The number of contacts.
-    pub fn count(&self) -> usize {
-        self.distance.len()
+    /// Contacts between the given places.
+    #[cfg(test)]
+    pub(crate) fn of(pairs: &[[u32; 2]]) -> Self {
+        let mut contacts = Self::default();
+        let [first, second] = contacts.room(pairs.len());
+        for (k, pair) in pairs.iter().enumerate() {
+            (first[k], second[k]) = (pair[0], pair[1]);
+        }
+        contacts.finish(pairs.len());
+        contacts
     }
 
-    /// Makes room for so many contacts, so that finding them needs no memory.
-    pub(crate) fn reserve(&mut self, count: usize, kinds: bool) {
-        fn reserve<T>(column: &mut Vec<T>, count: usize) {
-            if column.capacity() < count {
-                column.clear();
-                column.reserve_exact(count);
-            }
-        }
-        reserve(&mut self.first, count);
-        reserve(&mut self.second, count);
-        reserve(&mut self.distance, count);
-        reserve(&mut self.direction, count);
-        if kinds {
-            reserve(&mut self.kind, count);
-        }
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The places of both particles of a contact.
+    pub fn pair(&self, k: usize) -> [usize; 2] {
+        [self.first[k] as usize, self.second[k] as usize]
     }
 
     /// The kind of a contact.
-    #[inline(always)]
     pub fn kind(&self, k: usize) -> usize {
         self.kind.get(k).map_or(0, |&kind| usize::from(kind))
     }
 
-    /// Takes from a list the pairs within the cutoff.
-    #[inline(always)]
-    pub(crate) fn update(
-        &mut self,
-        listed: &[ListedPair],
-        particles: &Particles,
-        offsets: &[Vector; 27],
-        cutoff: f64,
-        kinds: bool,
-    ) {
-        self.first.clear();
-        self.second.clear();
-        self.distance.clear();
-        self.direction.clear();
-        self.kind.clear();
-        let mut near = Near::default();
-        for chunk in listed.chunks(CHUNK) {
-            let count = if kinds {
-                near.select::<true>(chunk, particles, offsets, cutoff)
-            } else {
-                near.select::<false>(chunk, particles, offsets, cutoff)
-            };
-            near.measure();
-            self.first.extend_from_slice(&near.first[..count]);
-            self.second.extend_from_slice(&near.second[..count]);
-            self.distance.extend_from_slice(&near.distance[..count]);
-            self.direction.extend_from_slice(&near.separation[..count]);
-            if kinds {
-                self.kind.extend_from_slice(&near.kind[..count]);
-            }
-        }
-    }
-
-    /// The chunks of contacts in the order of a forward or backward sweep.
-    #[inline(always)]
-    pub(crate) fn chunks(&self, backward: bool) -> impl Iterator<Item = Range<usize>> {
-        let count = self.count();
-        let chunks = count.div_ceil(CHUNK);
-        (0..chunks).map(move |k| {
-            let k = if backward { chunks - 1 - k } else { k };
-            k * CHUNK..((k + 1) * CHUNK).min(count)
+    /// The contacts in the order of a forward sweep.
+    pub fn in_order(&self) -> impl Iterator<Item = usize> {
+        self.blocks(false).flat_map(|block| {
+            let streams = move |entry| (0..block.streams).map(move |stream| block.stream(stream) + entry);
+            (0..block.depth).flat_map(streams)
         })
     }
 
-    /// The value of a table for each of the chunk's contacts; beyond the chunk, the first value.
+    /// r and e = (r_first − r_second)/r of a contact at its nearest images; e is zero for coincident particles.
+    pub fn separation(&self, k: usize, positions: &[Vector], region: &PeriodicBox) -> (f64, Vector) {
+        let [i, j] = self.pair(k);
+        let d = region.nearest_image(subtract(positions[i], positions[j]));
+        let r = dot(d, d).sqrt();
+        (r, if r > 0.0 { d.map(|d| d / r) } else { d })
+    }
+
+    /// The columns of both particles, with room for so many contacts and what is written beyond the last.
     #[inline(always)]
-    pub(crate) fn value_by_kind(&self, table: &PairTable<f64>, chunk: &Range<usize>, column: &mut [f64; CHUNK]) {
-        column.fill(table.entries()[0]);
-        if !self.kind.is_empty() {
-            for (value, &kind) in column.iter_mut().zip(&self.kind[chunk.clone()]) {
-                *value = table.entries()[usize::from(kind)];
-            }
+    pub(crate) fn room(&mut self, count: usize) -> [&mut [u32]; 2] {
+        if self.first.len() < count + SEARCH_WIDTH {
+            self.grow(count + SEARCH_WIDTH);
+        }
+        let length = self.first.len();
+        [&mut self.first[..], &mut self.second[..length]]
+    }
+
+    #[cold]
+    fn grow(&mut self, length: usize) {
+        // A little room for the next time, but no doubling: contacts are much of what a simulation holds.
+        let length = length + length / 16;
+        for column in [&mut self.first, &mut self.second] {
+            column.reserve_exact(length - column.len());
+            column.resize(length, 0);
         }
     }
 
-    /// f(r) of each of the chunk's contacts, zero beyond the chunk.
-    #[inline(always)]
-    pub(crate) fn forces(&self, table: &PairTable<Option<Potential>>, chunk: &Range<usize>, column: &mut [f64; CHUNK]) {
-        column.fill(0.0);
-        let (distances, column) = (&self.distance[chunk.clone()], &mut column[..chunk.len()]);
-        for (kind, law) in laws(table) {
-            match self.kind.get(chunk.clone()) {
-                Some(kinds) if !kinds.is_empty() => law.add_forces(distances, |k| kinds[k] == kind, column),
-                _ => law.add_forces(distances, |_| true, column),
+    /// Ends a search that found so many.
+    pub(crate) fn finish(&mut self, count: usize) {
+        let places = self.room(count);
+        let mut largest = 0;
+        for column in places {
+            for &place in &column[..count + WIDTH] {
+                largest = largest.max(place);
             }
         }
+        self.places_below = largest as usize + 1;
+        self.count = count;
+        self.kind.clear();
     }
 
-    /// Γ(r) of each of the chunk's contacts, zero beyond the chunk.
+    /// Gives every contact its kind.
+    pub(crate) fn set_kinds(&mut self, kind: impl Fn(u32, u32) -> Kind) {
+        let pairs = self.first[..self.count].iter().zip(&self.second);
+        self.kind.extend(pairs.map(|(&i, &j)| kind(i, j)));
+        self.kind.resize(self.count + WIDTH, 0);
+    }
+
+    /// The blocks in the order of a forward or backward sweep.
     #[inline(always)]
-    pub(crate) fn strengths(
+    pub(crate) fn blocks(&self, backward: bool) -> impl Iterator<Item = Block> + use<> {
+        let stride = self.count / WIDTH;
+        let (full, rest) = (stride.div_ceil(WIDTH), self.count - stride * WIDTH);
+        let total = full + usize::from(rest > 0);
+        (0..total).map(move |n| {
+            let n = if backward { total - 1 - n } else { n };
+            if n < full {
+                let first = n * WIDTH;
+                Block { first, stride, streams: WIDTH, depth: (stride - first).min(WIDTH) }
+            } else {
+                Block { first: stride * WIDTH, stride: 0, streams: 1, depth: rest }
+            }
+        })
+    }
+
+    /// The places of eight contacts from one on; those beyond the last are places too.
+    #[inline(always)]
+    pub(crate) fn places(&self, from: usize) -> [&[u32; WIDTH]; 2] {
+        [group(&self.first, from), group(&self.second, from)]
+    }
+
+    /// The values of a table's laws at the distances of a block's contacts, each by its kind; zero where there is no law.
+    #[inline(always)]
+    pub(crate) fn by_kind<L: Lanes, T: PairLaw>(
         &self,
-        table: &PairTable<Option<Friction>>,
-        chunk: &Range<usize>,
-        column: &mut [f64; CHUNK],
+        block: &Block,
+        table: &PairTable<Option<T>>,
+        distance: &BlockNumbers,
+        values: &mut BlockNumbers,
     ) {
-        column.fill(0.0);
-        let (distances, column) = (&self.distance[chunk.clone()], &mut column[..chunk.len()]);
-        for (kind, law) in laws(table) {
-            match self.kind.get(chunk.clone()) {
-                Some(kinds) if !kinds.is_empty() => law.add_strengths(distances, |k| kinds[k] == kind, column),
-                _ => law.add_strengths(distances, |_| true, column),
+        if self.kind.is_empty() {
+            match &table.entries()[0] {
+                Some(law) => law.fill::<L>(block.streams, distance, values),
+                None => values.fill([0.0; WIDTH]),
+            }
+            return;
+        }
+        values.fill([0.0; WIDTH]);
+        let mut of_law = BlockNumbers::default();
+        for (kind, law) in table.entries().iter().enumerate() {
+            if let Some(law) = law {
+                law.fill::<L>(block.streams, distance, &mut of_law);
+                for s in 0..block.streams {
+                    let chosen = L::of_kind(group(&self.kind, block.stream(s)), kind as Kind);
+                    L::select(chosen, L::load(&of_law[s]), L::load(&values[s])).store(&mut values[s]);
+                }
             }
         }
     }
+
+    /// All places are below this.
+    pub(crate) fn places_below(&self) -> usize {
+        self.places_below
+    }
 }
 
-/// The laws of a table with their kinds.
+/// Eight entries of a column from one on.
 #[inline(always)]
-fn laws<L>(table: &PairTable<Option<L>>) -> impl Iterator<Item = (Kind, &L)> {
-    table.entries().iter().enumerate().filter_map(|(kind, law)| Some((kind as Kind, law.as_ref()?)))
-}
-
-/// The pairs of one chunk of a list that are within the cutoff.
-struct Near {
-    first: [u32; CHUNK],
-    second: [u32; CHUNK],
-    kind: [Kind; CHUNK],
-    separation: [Vector; CHUNK],
-    /// r², then r.
-    distance: [f64; CHUNK],
-}
-
-impl Default for Near {
-    fn default() -> Self {
-        Self {
-            first: [0; CHUNK],
-            second: [0; CHUNK],
-            kind: [0; CHUNK],
-            separation: [ZERO; CHUNK],
-            distance: [0.0; CHUNK],
-        }
-    }
-}
-
-impl Near {
-    /// Keeps the pairs within the cutoff, in their order; returns how many.
-    #[inline(always)]
-    fn select<const KINDS: bool>(
-        &mut self,
-        chunk: &[ListedPair],
-        particles: &Particles,
-        offsets: &[Vector; 27],
-        cutoff: f64,
-    ) -> usize {
-        // Every pair is written, and only those within the cutoff advance the place: no branch to mispredict.
-        let mut count = 0;
-        for pair in chunk {
-            let (a, b) = (particles.position[pair.first as usize], particles.position[pair.second as usize]);
-            let offset = offsets[usize::from(pair.image)];
-            let d = [a[0] - b[0] + offset[0], a[1] - b[1] + offset[1], a[2] - b[2] + offset[2]];
-            let squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            self.first[count] = pair.first;
-            self.second[count] = pair.second;
-            if KINDS {
-                self.kind[count] = pair.kind;
-            }
-            self.separation[count] = d;
-            self.distance[count] = squared;
-            count += usize::from(squared < cutoff * cutoff);
-        }
-        count
-    }
-
-    /// Turns squared distances into distances and separations into directions.
-    #[inline(always)]
-    fn measure(&mut self) {
-        for (distance, separation) in self.distance.iter_mut().zip(&mut self.separation) {
-            let r = distance.sqrt();
-            let inverse = if r > 0.0 { 1.0 / r } else { 0.0 };
-            *distance = r;
-            *separation = separation.map(|d| d * inverse);
-        }
-    }
+fn group<T>(column: &[T], from: usize) -> &[T; WIDTH] {
+    column[from..].first_chunk().expect("room for a whole group behind every contact")
 }

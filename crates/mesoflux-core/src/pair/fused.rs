@@ -1,15 +1,15 @@
 //! Conservative, dissipative and random forces in one pass, for integrators that treat them alike.
 
-use super::contacts::{CHUNK, Contacts};
-use super::instruction_set::{InstructionSet, Kernel};
-use super::scatter::Scatter;
+use super::contacts::Contacts;
+use super::scatter::{BlockRows, Scatter};
+use super::separations::Separations;
+use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
-use crate::friction::fluctuation_dissipation::random_force_amplitude;
+use crate::friction::fluctuation_dissipation::random_force_variance;
 use crate::interactions::Interactions;
+use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_product, scaled};
 use crate::neighbors::NeighborList;
-use crate::noise::Draw;
-use crate::state::Particles;
-use crate::vector::{Vector, ZERO, dot, subtract};
+use crate::noise::{Draw, PairNormals};
 
 /// The noise of one force evaluation.
 #[derive(Debug, Clone, Copy)]
@@ -26,18 +26,16 @@ pub struct PairNoise {
 pub fn velocity_dependent_forces(
     list: &NeighborList,
     interactions: &Interactions,
-    particles: &Particles,
-    velocity: &[Vector],
+    velocity: &[Row],
     noise: &PairNoise,
-    force: &mut [Vector],
+    force: &mut [Row],
     workers: Workers,
 ) {
-    force.fill(ZERO);
-    let target = Scatter::new(force);
+    workers.for_each_chunk(force, |_, chunk| chunk.fill(Row::default()));
+    let (target, region, points) = (Scatter::new(force), list.region(), list.points());
     let instructions = InstructionSet::detect();
-    list.sweep(false, workers, |brick| {
-        let contacts = &brick.contacts;
-        instructions.run(BrickForces { contacts, interactions, id: &particles.id, velocity, noise, target: &target });
+    list.sweep(false, workers, |contacts| {
+        instructions.run(BrickForces { contacts, interactions, points, region, velocity, noise, target: &target });
     });
 }
 
@@ -45,32 +43,42 @@ pub fn velocity_dependent_forces(
 struct BrickForces<'a> {
     contacts: &'a Contacts,
     interactions: &'a Interactions,
-    id: &'a [u64],
-    velocity: &'a [Vector],
+    points: &'a [Row],
+    region: &'a PeriodicBox,
+    velocity: &'a [Row],
     noise: &'a PairNoise,
-    target: &'a Scatter<'a, Vector>,
+    target: &'a Scatter<'a>,
 }
 
 impl Kernel for BrickForces<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let Self { contacts, interactions, id, velocity, noise, target } = self;
-        let (mut magnitude, mut strength) = ([0.0; CHUNK], [0.0; CHUNK]);
-        for chunk in contacts.chunks(false) {
-            contacts.forces(&interactions.potentials, &chunk, &mut magnitude);
-            contacts.strengths(&interactions.frictions, &chunk, &mut strength);
-            let (first, second) = (&contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
-            let gaussians: [f64; CHUNK] = noise.draw.pair_gaussians(id, first, second);
-            for n in 0..chunk.len() {
-                magnitude[n] += random_force_amplitude(strength[n], noise.temperature, noise.time_step) * gaussians[n];
+    fn run<L: Lanes>(self) {
+        let Self { contacts, interactions, points, region, velocity, noise, target } = self;
+        assert!(contacts.places_below() <= velocity.len(), "contacts of other particles");
+        target.check(contacts);
+        let (mut pairs, mut normals) = (Separations::default(), PairNormals::default());
+        let (mut conservative, mut strength) = (BlockNumbers::default(), BlockNumbers::default());
+        let mut rows = BlockRows::default();
+        for block in contacts.blocks(false) {
+            pairs.update::<L>(contacts, &block, points, region);
+            contacts.by_kind::<L, _>(&block, &interactions.potentials, &pairs.distance, &mut conservative);
+            contacts.by_kind::<L, _>(&block, &interactions.frictions, &pairs.distance, &mut strength);
+            noise.draw.pair_noise::<L>(block.streams, &pairs.ids, &mut normals);
+            for s in 0..block.streams {
+                let [first, second] = contacts.places(block.stream(s));
+                // SAFETY: all places of the contacts are below the number of velocities.
+                let (v_i, v_j) = unsafe { (L::load_rows(velocity, first), L::load_rows(velocity, second)) };
+                let e = pairs.direction(s);
+                let u = inner_product(e, [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]]);
+                let strength = L::load(&strength[s]);
+                let variance = random_force_variance(strength, noise.temperature, noise.time_step);
+                let random = normals.of_variance(s, variance);
+                let force = (-strength).mul_add(u, L::load(&conservative[s]) + random);
+                L::rows(scaled(force, e), &mut rows[s]);
             }
-            for (n, &e) in contacts.direction[chunk.clone()].iter().enumerate() {
-                let v_ij = subtract(velocity[first[n] as usize], velocity[second[n] as usize]);
-                magnitude[n] -= strength[n] * dot(e, v_ij);
-            }
-            target.add_opposite(contacts, &chunk, &magnitude);
+            target.add_opposite::<L>(&block, &pairs, &rows);
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::domain::Workers;
 use crate::interactions::Interactions;
-use crate::neighbors::{Brick, NeighborList};
+use crate::lanes::Row;
+use crate::neighbors::NeighborList;
 use crate::state::Particles;
-use crate::vector::{Vector, dot, subtract};
+use crate::vector::{dot, subtract};
 use std::ops::Add;
 
 /// Sums over all pairs of the conservative laws.
@@ -31,16 +32,23 @@ impl Add for PairSums {
 }
 
 /// Potential energy, virial and Laplacian at the positions of the contacts.
-pub fn pair_sums(list: &NeighborList, interactions: &Interactions, workers: Workers) -> PairSums {
-    let parts = list.sweep(false, workers, |brick: &Brick| {
-        let contacts = &brick.contacts;
+pub fn pair_sums(
+    list: &NeighborList,
+    interactions: &Interactions,
+    particles: &Particles,
+    workers: Workers,
+) -> PairSums {
+    let parts = list.sweep(false, workers, |contacts| {
         let mut sums = PairSums::default();
-        for (k, &r) in contacts.distance.iter().enumerate() {
+        for k in 0..contacts.count() {
             if let Some(law) = interactions.potentials.entries()[contacts.kind(k)] {
-                let force = law.force(r);
-                sums.potential_energy += law.energy(r);
-                sums.virial += r * force;
-                sums.laplacian -= 2.0 * (law.force_derivative(r) + 2.0 * force / r);
+                let (r, _) = contacts.separation(k, &particles.position, list.region());
+                if r < law.cutoff() {
+                    let force = law.force(r);
+                    sums.potential_energy += law.energy(r);
+                    sums.virial += r * force;
+                    sums.laplacian -= 2.0 * (law.force_derivative(r) + 2.0 * force / r);
+                }
             }
         }
         sums
@@ -53,17 +61,17 @@ pub fn dissipative_flux(
     list: &NeighborList,
     interactions: &Interactions,
     particles: &Particles,
-    response: &[Vector],
+    response: &[Row],
     workers: Workers,
 ) -> f64 {
-    let parts = list.sweep(false, workers, |brick: &Brick| {
-        let contacts = &brick.contacts;
+    let parts = list.sweep(false, workers, |contacts| {
         let mut sum = 0.0;
-        for (k, (&r, &e)) in contacts.distance.iter().zip(&contacts.direction).enumerate() {
+        for k in 0..contacts.count() {
             if let Some(law) = interactions.frictions.entries()[contacts.kind(k)] {
-                let (i, j) = (contacts.first[k] as usize, contacts.second[k] as usize);
+                let (r, e) = contacts.separation(k, &particles.position, list.region());
+                let [i, j] = contacts.pair(k);
                 let u = dot(e, subtract(particles.velocity(i), particles.velocity(j)));
-                sum -= law.strength(r) * u * dot(e, subtract(response[i], response[j]));
+                sum -= law.strength(r) * u * dot(e, subtract(response[i].vector(), response[j].vector()));
             }
         }
         sum

@@ -1,49 +1,72 @@
 //! Writing to two particles at once from several threads: allowed because bricks of one color share no particle.
 
-use super::contacts::{CHUNK, Contacts};
-use crate::vector::{Vector, add_scaled};
+use super::contacts::{Block, Contacts};
+use super::separations::Separations;
+use crate::lanes::{Lanes, Row, RowLanes, WIDTH};
 use std::marker::PhantomData;
 
-/// A column that several bricks of one color write to at the same time.
-pub(crate) struct Scatter<'a, T> {
-    start: *mut T,
+/// A column of rows that several bricks of one color write to at the same time.
+pub(crate) struct Scatter<'a> {
+    start: *mut Row,
     count: usize,
-    column: PhantomData<&'a mut [T]>,
+    column: PhantomData<&'a mut [Row]>,
 }
 
-// SAFETY: a shared `Scatter` only hands out places through `pair`, whose callers promise that no two threads use one place.
-unsafe impl<T: Send> Sync for Scatter<'_, T> {}
+// SAFETY: a shared `Scatter` only hands out addresses; those who use them are inside a sweep, where no two threads have a particle in
+// common.
+unsafe impl Sync for Scatter<'_> {}
 
-impl<'a, T: Copy> Scatter<'a, T> {
-    pub(crate) fn new(column: &'a mut [T]) -> Self {
+/// Rows of the pairs of a block, stream by stream.
+pub(crate) type BlockRows = [[Row; WIDTH]; WIDTH];
+
+impl<'a> Scatter<'a> {
+    pub fn new(column: &'a mut [Row]) -> Self {
         Self { start: column.as_mut_ptr(), count: column.len(), column: PhantomData }
     }
 
-    /// The entries of two different particles.
+    /// Where the rows of the two particles of a contact are.
     ///
     /// # Safety
-    /// No other thread may use either place at the same time, and the references must be dropped before the next call
-    /// from this thread. Both hold inside `NeighborList::sweep`, which runs bricks of one color only side by side.
+    /// Both places lie inside the column.
     #[inline(always)]
-    #[allow(clippy::mut_from_ref, reason = "exclusive access is the caller's promise")]
-    pub(crate) unsafe fn pair(&self, first: u32, second: u32) -> (&mut T, &mut T) {
-        let (first, second) = (first as usize, second as usize);
-        assert!(first < self.count && second < self.count && first != second, "a pair is two particles of the column");
-        // SAFETY: both places lie inside the column and differ; exclusive access is the caller's promise.
-        unsafe { (&mut *self.start.add(first), &mut *self.start.add(second)) }
+    pub unsafe fn pair(&self, [first, second]: [u32; 2]) -> [*mut Row; 2] {
+        // SAFETY: the caller's promise.
+        unsafe { [self.start.add(first as usize), self.start.add(second as usize)] }
     }
-}
 
-impl Scatter<'_, Vector> {
-    /// Adds f e to the first and −f e to the second particle of every contact of a chunk; only inside a sweep.
+    /// Makes sure that the contacts are of the column's particles.
     #[inline(always)]
-    pub(crate) fn add_opposite(&self, contacts: &Contacts, chunk: &std::ops::Range<usize>, magnitude: &[f64; CHUNK]) {
-        let (first, second) = (&contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
-        for (n, &e) in contacts.direction[chunk.clone()].iter().enumerate() {
-            // SAFETY: the kernels that call this run inside a sweep.
-            let (force, reaction) = unsafe { self.pair(first[n], second[n]) };
-            add_scaled(force, magnitude[n], e);
-            add_scaled(reaction, -magnitude[n], e);
+    pub fn check(&self, contacts: &Contacts) {
+        assert!(contacts.places_below() <= self.count, "contacts of other particles");
+    }
+
+    /// Adds a row to the first and subtracts it from the second particle of every contact of a block; only inside a sweep, and
+    /// with checked contacts.
+    #[inline(always)]
+    pub fn add_opposite<L: Lanes>(&self, block: &Block, pairs: &Separations, rows: &BlockRows) {
+        if block.streams == WIDTH {
+            for k in 0..block.depth.min(WIDTH) {
+                for s in 0..WIDTH {
+                    self.add_row::<L>(pairs, s, k, rows);
+                }
+            }
+        } else {
+            for k in 0..block.depth.min(WIDTH) {
+                for s in 0..block.streams.min(WIDTH) {
+                    self.add_row::<L>(pairs, s, k, rows);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_row<L: Lanes>(&self, pairs: &Separations, s: usize, k: usize, rows: &BlockRows) {
+        // SAFETY: the places were checked, and inside a sweep no other thread uses them.
+        unsafe {
+            let [force, reaction] = self.pair([pairs.places[0][s][k], pairs.places[1][s][k]]);
+            let row = L::Row::load(&raw const rows[s][k]);
+            L::Row::load(force).add(row).store(force);
+            L::Row::load(reaction).subtract(row).store(reaction);
         }
     }
 }

@@ -1,15 +1,16 @@
 //! The sequential sweep of the pair thermostat: an exact Ornstein–Uhlenbeck update of one pair after the other.
 
-use super::contacts::{CHUNK, Contacts};
-use super::instruction_set::{InstructionSet, Kernel};
-use super::scatter::Scatter;
+use super::contacts::{Block, Contacts};
+use super::scatter::{BlockRows, Scatter};
+use super::separations::Separations;
+use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::friction::fluctuation_dissipation::ornstein_uhlenbeck;
 use crate::interactions::Interactions;
+use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, RowLanes, WIDTH, inner_product};
 use crate::neighbors::NeighborList;
-use crate::noise::Draw;
+use crate::noise::{Draw, PairNormals};
 use crate::state::Particles;
-use crate::vector::{Vector, add_scaled, dot, subtract};
 
 /// What a sweep does, beside the state it acts on.
 #[derive(Debug, Clone, Copy)]
@@ -23,26 +24,26 @@ pub struct Sweep<'a> {
     /// From the last pair to the first.
     pub backward: bool,
     /// G of every particle, in storage order, where the flux G·p is to be followed.
-    pub response: Option<&'a [Vector]>,
+    pub response: Option<&'a [Row]>,
 }
 
 /// Updates every pair with friction in turn: p_i += μ (Δv^D + Δv^R) e, p_j −= the same (Wu & Shang, eqs 27–29, 58–61).
 ///
+/// Works on rows of velocities, which the caller took from the momenta and takes back to them.
 /// Returns the expected change of the flux G·p, Σ_pairs μ Δv^D e·(G_i − G_j), each term given the state just before its pair
 /// is visited (zero without `response`). What remains of the change is the martingale of the noise.
 pub fn ornstein_uhlenbeck_sweep(
     list: &NeighborList,
     interactions: &Interactions,
-    particles: &mut Particles,
+    particles: &Particles,
+    velocity: &mut [Row],
     sweep: &Sweep,
     workers: Workers,
 ) -> f64 {
-    let (id, inverse_mass) = (&particles.id, &particles.inverse_mass);
-    let momentum = Scatter::new(&mut particles.momentum);
+    let (velocity, region, points) = (Scatter::new(velocity), list.region(), list.points());
     let instructions = InstructionSet::detect();
-    let parts = list.sweep(sweep.backward, workers, |brick| {
-        let contacts = &brick.contacts;
-        instructions.run(BrickSweep { contacts, interactions, sweep, momentum: &momentum, id, inverse_mass })
+    let parts = list.sweep(sweep.backward, workers, |contacts| {
+        instructions.run(BrickSweep { contacts, interactions, particles, region, sweep, velocity: &velocity, points })
     });
     parts.into_iter().sum()
 }
@@ -51,70 +52,124 @@ pub fn ornstein_uhlenbeck_sweep(
 struct BrickSweep<'a> {
     contacts: &'a Contacts,
     interactions: &'a Interactions,
+    particles: &'a Particles,
+    region: &'a PeriodicBox,
     sweep: &'a Sweep<'a>,
-    momentum: &'a Scatter<'a, Vector>,
-    id: &'a [u64],
-    inverse_mass: &'a [f64],
+    velocity: &'a Scatter<'a>,
+    points: &'a [Row],
 }
 
-/// What the update of each contact of a chunk needs; none of it depends on momenta.
+/// What the update of each contact of a block needs; none of it depends on velocities.
+#[derive(Default)]
 struct Updates {
-    decay: [f64; CHUNK],
-    random: [f64; CHUNK],
-    inverse_reduced_mass: [f64; CHUNK],
+    pairs: Separations,
+    strength: BlockNumbers,
+    normals: PairNormals,
+    direction: BlockRows,
+    decay: BlockNumbers,
+    random: BlockNumbers,
+    /// μ/m of each of the two particles.
+    shares: [BlockNumbers; 2],
+    /// μ e·(G_i − G_j) times the decay: what the flux is expected to change by, for each unit of u.
+    flux: BlockNumbers,
+}
+
+/// Entries in an order, and for each the streams in an order: loops, not closures, to stay part of the kernel.
+macro_rules! visit {
+    ($entries:expr, $streams:expr, |$s:ident, $k:ident| $body:expr) => {
+        for $k in $entries {
+            for $s in $streams {
+                $body;
+            }
+        }
+    };
+}
+
+impl Updates {
+    /// The update of one contact; keeps u.
+    #[inline(always)]
+    fn apply<L: Lanes>(&self, velocity: &Scatter, s: usize, k: usize, u: &mut BlockNumbers) {
+        // SAFETY: the places were checked, and inside a sweep no other thread uses them.
+        unsafe {
+            let [v_i, v_j] = velocity.pair([self.pairs.places[0][s][k], self.pairs.places[1][s][k]]);
+            let (mine, theirs) = (L::Row::load(v_i), L::Row::load(v_j));
+            let e = L::Row::load(&raw const self.direction[s][k]);
+            u[s][k] = mine.subtract(theirs).dot(e);
+            let change = self.decay[s][k].mul_add(u[s][k], self.random[s][k]);
+            mine.add_scaled(change * self.shares[0][s][k], e).store(v_i);
+            theirs.add_scaled(-change * self.shares[1][s][k], e).store(v_j);
+        }
+    }
 }
 
 impl Kernel for BrickSweep<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn run(self) -> f64 {
-        let Self { contacts, sweep, momentum, inverse_mass, .. } = self;
-        let mut updates = Updates { decay: [0.0; CHUNK], random: [0.0; CHUNK], inverse_reduced_mass: [0.0; CHUNK] };
-        let mut expected = 0.0;
-        for chunk in contacts.chunks(sweep.backward) {
-            let count = chunk.len();
-            self.prepare(&chunk, &mut updates);
-            let (first, second) = (&contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
-            let direction = &contacts.direction[chunk];
-            for n in 0..count {
-                let n = if sweep.backward { count - 1 - n } else { n };
-                let (i, j, e) = (first[n], second[n], direction[n]);
-                let (w_i, w_j) = (inverse_mass[i as usize], inverse_mass[j as usize]);
-                // SAFETY: inside a sweep.
-                let (p_i, p_j) = unsafe { momentum.pair(i, j) };
-                let v_ij = [p_i[0] * w_i - p_j[0] * w_j, p_i[1] * w_i - p_j[1] * w_j, p_i[2] * w_i - p_j[2] * w_j];
-                let reduced_mass = 1.0 / updates.inverse_reduced_mass[n];
-                let dissipative = updates.decay[n] * dot(e, v_ij);
-                let impulse = reduced_mass * (dissipative + updates.random[n]);
-                add_scaled(p_i, impulse, e);
-                add_scaled(p_j, -impulse, e);
-                if let Some(response) = sweep.response {
-                    let change = dot(e, subtract(response[i as usize], response[j as usize]));
-                    expected += reduced_mass * dissipative * change;
+    fn run<L: Lanes>(self) -> f64 {
+        let Self { contacts, sweep, velocity, .. } = self;
+        velocity.check(contacts);
+        let mut updates = Updates::default();
+        let mut u = BlockNumbers::default();
+        let mut expected = L::splat(0.0);
+        for block in contacts.blocks(sweep.backward) {
+            self.prepare::<L>(&block, &mut updates);
+            let (depth, streams) = (block.depth.min(WIDTH), block.streams.min(WIDTH));
+            match (streams == WIDTH, sweep.backward) {
+                (true, false) => visit!(0..depth, 0..WIDTH, |s, k| updates.apply::<L>(velocity, s, k, &mut u)),
+                (true, true) => {
+                    visit!((0..depth).rev(), (0..WIDTH).rev(), |s, k| updates.apply::<L>(velocity, s, k, &mut u))
+                }
+                (false, false) => visit!(0..depth, 0..streams, |s, k| updates.apply::<L>(velocity, s, k, &mut u)),
+                (false, true) => {
+                    visit!((0..depth).rev(), (0..streams).rev(), |s, k| updates.apply::<L>(velocity, s, k, &mut u))
+                }
+            }
+            if sweep.response.is_some() {
+                for s in 0..block.streams {
+                    u[s][block.depth..].fill(0.0);
+                    expected = L::load(&u[s]).mul_add(L::load(&updates.flux[s]), expected);
                 }
             }
         }
-        expected
+        expected.sum()
     }
 }
 
 impl BrickSweep<'_> {
-    /// Decay and random velocity of a chunk's contacts, contact by contact, in any order.
+    /// What the updates of a block's contacts need.
     #[inline(always)]
-    fn prepare(&self, chunk: &std::ops::Range<usize>, updates: &mut Updates) {
-        let Self { contacts, interactions, sweep, id, .. } = self;
-        let mut strength = [0.0; CHUNK];
-        contacts.strengths(&interactions.frictions, chunk, &mut strength);
-        contacts.value_by_kind(&interactions.inverse_reduced_masses, chunk, &mut updates.inverse_reduced_mass);
-        let gaussians: [f64; CHUNK] =
-            sweep.noise.pair_gaussians(id, &contacts.first[chunk.clone()], &contacts.second[chunk.clone()]);
-        // A whole number of vectors, filled or not.
-        for n in 0..chunk.len().next_multiple_of(8).min(CHUNK) {
-            let update =
-                ornstein_uhlenbeck(strength[n], updates.inverse_reduced_mass[n], sweep.temperature, sweep.time);
-            updates.decay[n] = update.decay;
-            updates.random[n] = update.amplitude * gaussians[n];
+    fn prepare<L: Lanes>(&self, block: &Block, updates: &mut Updates) {
+        let Self { contacts, interactions, particles, sweep, .. } = self;
+        let Updates { pairs, strength, normals, direction, decay, random, shares, flux } = updates;
+        pairs.update::<L>(contacts, block, self.points, self.region);
+        contacts.by_kind::<L, _>(block, &interactions.frictions, &pairs.distance, strength);
+        sweep.noise.pair_noise::<L>(block.streams, &pairs.ids, normals);
+        for s in 0..block.streams {
+            let [first, second] = contacts.places(block.stream(s));
+            let inverse_masses = if interactions.single_kind() {
+                [L::splat(0.5 * interactions.inverse_reduced_masses.entries()[0]); 2]
+            } else {
+                [L::gather(&particles.inverse_mass, first), L::gather(&particles.inverse_mass, second)]
+            };
+            let inverse_reduced_mass = inverse_masses[0] + inverse_masses[1];
+            let strength = L::load(&strength[s]);
+            let update = ornstein_uhlenbeck(strength, inverse_reduced_mass, sweep.temperature, sweep.time);
+            normals.of_variance(s, update.variance).store(&mut random[s]);
+            update.decay.store(&mut decay[s]);
+            let reduced_mass = L::splat(1.0) / inverse_reduced_mass;
+            for k in 0..2 {
+                (inverse_masses[k] * reduced_mass).store(&mut shares[k][s]);
+            }
+            let e = pairs.direction(s);
+            L::rows(e, &mut direction[s]);
+            if let Some(response) = sweep.response {
+                assert!(contacts.places_below() <= response.len(), "contacts of other particles");
+                // SAFETY: all places of the contacts are below the number of responses.
+                let (g_i, g_j) = unsafe { (L::load_rows(response, first), L::load_rows(response, second)) };
+                let g = inner_product(e, [g_i[0] - g_j[0], g_i[1] - g_j[1], g_i[2] - g_j[2]]);
+                (reduced_mass * update.decay * g).store(&mut flux[s]);
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::PairPotential;
 use crate::elementary::ln;
+use crate::lanes::Real;
 use serde::{Deserialize, Serialize};
 
 /// u(r) = −½ k R² ln(1 − (r/R)²), f(r) = −k r/(1 − (r/R)²) for r < R, which no bond can reach.
@@ -32,9 +33,9 @@ impl PairPotential for Fene {
     }
 
     #[inline(always)]
-    fn force(&self, r: f64) -> f64 {
-        let stretch = r / self.longest;
-        -self.stiffness * r / (1.0 - stretch * stretch)
+    fn force<R: Real>(&self, r: R) -> R {
+        let stretch = r / R::splat(self.longest);
+        R::splat(-self.stiffness) * r / (R::splat(1.0) - stretch * stretch)
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! The harmonic spring.
 
 use super::PairPotential;
+use crate::lanes::Real;
 use serde::{Deserialize, Serialize};
 
 /// u(r) = ½ k (r − l)², f(r) = −k (r − l), at any distance: a law for bonds.
@@ -26,8 +27,8 @@ impl PairPotential for Harmonic {
     }
 
     #[inline(always)]
-    fn force(&self, r: f64) -> f64 {
-        self.stiffness * (self.length - r)
+    fn force<R: Real>(&self, r: R) -> R {
+        R::splat(self.stiffness) * (R::splat(self.length) - r)
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! The Lennard-Jones potential, plain or made continuous at its cutoff.
 
 use super::PairPotential;
+use crate::lanes::Real;
 use serde::{Deserialize, Serialize};
 
 /// φ(r) = 4ε[(σ/r)¹² − (σ/r)⁶] for r < r_c, nothing beyond, with what the truncation adds.
@@ -32,20 +33,27 @@ pub enum Truncation {
 }
 
 impl LennardJones {
-    /// u(r) and −r u'(r) of the untruncated potential.
+    /// u(r) of the untruncated potential.
+    fn bare_energy(&self, r: f64) -> f64 {
+        let s6 = (self.sigma / r).powi(6);
+        4.0 * self.epsilon * (s6 * s6 - s6)
+    }
+
+    /// −u'(r) of the untruncated potential.
     #[inline(always)]
-    fn bare(&self, r: f64) -> (f64, f64) {
-        let s = self.sigma / r;
+    fn bare_force<R: Real>(&self, r: R) -> R {
+        let inverse = R::splat(1.0) / r;
+        let s = R::splat(self.sigma) * inverse;
         let s2 = s * s;
         let s6 = s2 * s2 * s2;
-        (4.0 * self.epsilon * (s6 * s6 - s6), 24.0 * self.epsilon * (2.0 * s6 * s6 - s6))
+        R::splat(24.0 * self.epsilon) * inverse * s6.mul_add(s6 + s6, -s6)
     }
 
     /// −u'(r_c) where the truncation takes it away, else zero.
     #[inline(always)]
     fn force_shift(&self) -> f64 {
         match self.truncation {
-            Truncation::ForceShifted => self.bare(self.cutoff).1 / self.cutoff,
+            Truncation::ForceShifted => self.bare_force(self.cutoff),
             Truncation::Plain | Truncation::Shifted => 0.0,
         }
     }
@@ -60,14 +68,14 @@ impl PairPotential for LennardJones {
     fn energy(&self, r: f64) -> f64 {
         let shift = match self.truncation {
             Truncation::Plain => 0.0,
-            Truncation::Shifted | Truncation::ForceShifted => self.bare(self.cutoff).0,
+            Truncation::Shifted | Truncation::ForceShifted => self.bare_energy(self.cutoff),
         };
-        self.bare(r).0 - shift + self.force_shift() * (r - self.cutoff)
+        self.bare_energy(r) - shift + self.force_shift() * (r - self.cutoff)
     }
 
     #[inline(always)]
-    fn force(&self, r: f64) -> f64 {
-        self.bare(r).1 / r - self.force_shift()
+    fn force<R: Real>(&self, r: R) -> R {
+        self.bare_force(r) - R::splat(self.force_shift())
     }
 
     #[inline(always)]

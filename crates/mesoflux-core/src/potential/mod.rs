@@ -6,6 +6,8 @@ pub mod lennard_jones;
 pub mod soft;
 pub mod wca;
 
+use crate::lanes::{BlockNumbers, Lanes, Real};
+use crate::pair::PairLaw;
 use serde::{Deserialize, Serialize};
 
 /// A radial pair potential u(r) with force f(r) = −u'(r), positive where it repels.
@@ -17,7 +19,7 @@ pub trait PairPotential: Copy + Send + Sync {
     /// u(r).
     fn energy(&self, r: f64) -> f64;
     /// f(r) = −u'(r).
-    fn force(&self, r: f64) -> f64;
+    fn force<R: Real>(&self, r: R) -> R;
     /// f'(r) = −u''(r), without a delta function where the force jumps at the cutoff.
     fn force_derivative(&self, r: f64) -> f64;
     /// Name, value and requirement of every number that a user gives.
@@ -96,8 +98,9 @@ impl Potential {
     }
 
     /// f(r), zero at and beyond the cutoff.
-    pub fn force(&self, r: f64) -> f64 {
-        with_law!(self, law => if r < law.cutoff() { law.force(r) } else { 0.0 })
+    #[inline(always)]
+    pub fn force<R: Real>(&self, r: R) -> R {
+        with_law!(self, law => R::select(r.below(R::splat(law.cutoff())), law.force(r), R::splat(0.0)))
     }
 
     /// f'(r), zero at and beyond the cutoff.
@@ -124,14 +127,15 @@ impl Potential {
     pub fn force_jump(&self) -> f64 {
         with_law!(self, law => law.force(law.cutoff()))
     }
+}
 
-    /// Adds f(r) to the magnitude of every listed distance below the cutoff where `selected` holds.
+impl PairLaw for Potential {
     #[inline(always)]
-    pub(crate) fn add_forces(&self, distances: &[f64], selected: impl Fn(usize) -> bool, magnitudes: &mut [f64]) {
+    fn fill<L: Lanes>(&self, streams: usize, distance: &BlockNumbers, values: &mut BlockNumbers) {
         with_law!(self, law => {
-            let cutoff = law.cutoff();
-            for (k, (&r, magnitude)) in distances.iter().zip(magnitudes).enumerate() {
-                *magnitude += if selected(k) && r < cutoff { law.force(r) } else { 0.0 };
+            for s in 0..streams {
+                let r = L::load(&distance[s]);
+                L::select(r.below(L::splat(law.cutoff())), law.force(r), L::splat(0.0)).store(&mut values[s]);
             }
         });
     }

@@ -1,6 +1,7 @@
 //! The soft repulsion of Groot and Warren, J. Chem. Phys. 107, 4423 (1997).
 
 use super::PairPotential;
+use crate::lanes::Real;
 use serde::{Deserialize, Serialize};
 
 /// u(r) = ½ a r_c (1 − r/r_c)², f(r) = a (1 − r/r_c) for r < r_c, nothing beyond.
@@ -24,8 +25,8 @@ impl PairPotential for Soft {
     }
 
     #[inline(always)]
-    fn force(&self, r: f64) -> f64 {
-        self.repulsion * (1.0 - r / self.cutoff)
+    fn force<R: Real>(&self, r: R) -> R {
+        R::splat(self.repulsion) * (R::splat(1.0) - r * R::splat(1.0 / self.cutoff))
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::PairPotential;
 use super::lennard_jones::{LennardJones, Truncation};
+use crate::lanes::Real;
 use serde::{Deserialize, Serialize};
 
 /// The Lennard-Jones potential cut at its minimum r_c = 2^(1/6) σ and shifted to zero there.
@@ -40,7 +41,7 @@ impl PairPotential for Wca {
     }
 
     #[inline(always)]
-    fn force(&self, r: f64) -> f64 {
+    fn force<R: Real>(&self, r: R) -> R {
         self.lennard_jones().force(r)
     }
 

@@ -189,7 +189,7 @@ impl Naive {
     /// R = G·p.
     pub fn flux(&self, field: &mut ForcingField) -> f64 {
         self.evaluate(field);
-        field.response.iter().zip(&self.p).map(|(&g, &p)| dot(g, p)).sum()
+        field.response.iter().zip(&self.p).map(|(g, &p)| dot(g.vector(), p)).sum()
     }
 
     /// p += ξF with R = r afterwards; returns ξ (eqs 42, 45, 50).

@@ -1,0 +1,141 @@
+//! Numbers eight at a time: one interface, three sets of vector instructions behind it.
+//!
+//! What is written once over [`Real`] or [`Lanes`] gives the same bits for a single `f64`, for portable arrays, for AVX2 with
+//! FMA and for AVX-512: every operation is one correctly rounded operation of IEEE 754, fused where `mul_add` says so and
+//! nowhere else, and sums run over eight lanes whatever the registers hold.
+//!
+//! Code over [`Lanes`] is compiled for a set of instructions only where it becomes part of the function that names the set.
+//! So such code is `#[inline(always)]` throughout and uses no closures: a closure that the compiler leaves on its own would
+//! make a call of every single instruction.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod instruction_set;
+mod portable;
+mod real;
+mod twice;
+
+pub use instruction_set::InstructionSet;
+pub(crate) use instruction_set::Kernel;
+pub use real::{Real, Words};
+pub use twice::Twice;
+
+use crate::vector::Vector;
+
+/// Numbers in one [`Lanes`].
+pub const WIDTH: usize = 8;
+
+/// A number for each of up to eight times eight pairs, stream by stream.
+pub type BlockNumbers = [[f64; WIDTH]; WIDTH];
+
+/// Particles that a search for neighbors looks at together.
+pub const SEARCH_WIDTH: usize = 16;
+
+/// A vector and a fourth number: one register, aligned so that it is loaded and stored whole.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[repr(C, align(32))]
+pub struct Row(pub [f64; 4]);
+
+impl Row {
+    /// The row of a vector and a further number.
+    #[inline(always)]
+    pub fn new([x, y, z]: Vector, further: f64) -> Self {
+        Self([x, y, z, further])
+    }
+
+    /// The vector of a row.
+    #[inline(always)]
+    pub fn vector(self) -> Vector {
+        let [x, y, z, _] = self.0;
+        [x, y, z]
+    }
+}
+
+/// Eight numbers.
+pub trait Lanes: Real {
+    /// A row in a register.
+    type Row: RowLanes;
+
+    /// From memory.
+    fn load(from: &[f64; WIDTH]) -> Self;
+    /// To memory.
+    fn store(self, to: &mut [f64; WIDTH]);
+    /// The rows in eight places of a column, component by component.
+    ///
+    /// Rows are loaded whole and transposed: gathering numbers one by one is several times slower on many processors.
+    ///
+    /// # Safety
+    /// Every place lies inside the column.
+    unsafe fn load_rows(column: &[Row], places: &[u32; WIDTH]) -> [Self; 4];
+    /// The numbers in eight places of a column, one by one.
+    ///
+    /// # Panics
+    /// A place beyond the column.
+    #[inline(always)]
+    fn gather(column: &[f64], places: &[u32; WIDTH]) -> Self {
+        let mut numbers = [0.0; WIDTH];
+        for k in 0..WIDTH {
+            numbers[k] = column[places[k] as usize];
+        }
+        Self::load(&numbers)
+    }
+
+    /// The smaller and the larger of each two words, both below 2⁶³.
+    fn sort_words(a: Self::Bits, b: Self::Bits) -> [Self::Bits; 2];
+    /// Those lanes whose kind is the given one.
+    fn of_kind(kinds: &[u16; WIDTH], kind: u16) -> Self::Mask;
+    /// Lane k as row k: (x_k, y_k, z_k, 0).
+    fn rows(vectors: [Self; 3], to: &mut [Row; WIDTH]);
+    /// Which of sixteen points, given by their coordinates, lie within a squared distance of another; bit k for point k.
+    fn near(point: [f32; 3], others: [&[f32; SEARCH_WIDTH]; 3], squared: f32) -> u32;
+    /// Writes the entries whose bits are set to the front of `to`; what stands behind them means nothing.
+    fn compress(mask: u32, from: &[u32; SEARCH_WIDTH], to: &mut [u32; SEARCH_WIDTH]);
+
+    /// The sum of all lanes: those four apart first, then those two apart, then the rest.
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        let mut x = [0.0; WIDTH];
+        self.store(&mut x);
+        let [a, b, c, d] = [x[0] + x[4], x[1] + x[5], x[2] + x[6], x[3] + x[7]];
+        (a + c) + (b + d)
+    }
+}
+
+/// factor · v
+#[inline(always)]
+pub fn scaled<R: Real>(factor: R, v: [R; 3]) -> [R; 3] {
+    [factor * v[0], factor * v[1], factor * v[2]]
+}
+
+/// a · b
+#[inline(always)]
+pub fn inner_product<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// A row in a register.
+pub trait RowLanes: Copy {
+    /// From memory.
+    ///
+    /// # Safety
+    /// There is a row that may be read.
+    unsafe fn load(from: *const Row) -> Self;
+    /// To memory.
+    ///
+    /// # Safety
+    /// There is a row that may be written.
+    unsafe fn store(self, to: *mut Row);
+    /// Component by component.
+    fn add(self, other: Self) -> Self;
+    /// Component by component.
+    fn subtract(self, other: Self) -> Self;
+    /// self + factor · direction, rounded once.
+    fn add_scaled(self, factor: f64, direction: Self) -> Self;
+    /// (x·x' + z·z') + (y·y' + w·w').
+    fn dot(self, other: Self) -> f64;
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,200 @@
+//! Lanes as plain arrays: for machines without vector instructions, and the reference for the others.
+
+use super::{Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
+use std::array::from_fn;
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
+
+/// Eight numbers in an array.
+#[derive(Debug, Clone, Copy)]
+pub struct Portable([f64; WIDTH]);
+
+/// Eight words in an array.
+#[derive(Debug, Clone, Copy)]
+pub struct PortableWords([u64; WIDTH]);
+
+/// An operator of two operands, lane by lane.
+macro_rules! by_lane {
+    ($type:ident, $trait:ident, $method:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(from_fn(|k| $trait::$method(self.0[k], other.0[k])))
+            }
+        }
+    };
+}
+by_lane!(Portable, Add, add);
+by_lane!(Portable, Sub, sub);
+by_lane!(Portable, Mul, mul);
+by_lane!(Portable, Div, div);
+by_lane!(PortableWords, BitXor, bitxor);
+by_lane!(PortableWords, BitAnd, bitand);
+by_lane!(PortableWords, BitOr, bitor);
+
+impl Neg for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
+    }
+}
+
+impl Real for Portable {
+    type Bits = PortableWords;
+    type Mask = [bool; WIDTH];
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; WIDTH])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self(from_fn(|k| f64::mul_add(self.0[k], factor.0[k], term.0[k])))
+    }
+
+    #[inline(always)]
+    fn below(self, other: Self) -> Self::Mask {
+        from_fn(|k| self.0[k] < other.0[k])
+    }
+
+    #[inline(always)]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Self(from_fn(|k| if mask[k] { yes.0[k] } else { no.0[k] }))
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        PortableWords(self.0.map(f64::to_bits))
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        Self(bits.0.map(f64::from_bits))
+    }
+}
+
+impl Words for PortableWords {
+    #[inline(always)]
+    fn splat(value: u64) -> Self {
+        Self([value; WIDTH])
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self(from_fn(|k| self.0[k].plus(other.0[k])))
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Self(from_fn(|k| self.0[k].minus(other.0[k])))
+    }
+
+    #[inline(always)]
+    fn low_product(self, other: Self) -> Self {
+        Self(from_fn(|k| self.0[k].low_product(other.0[k])))
+    }
+
+    #[inline(always)]
+    fn shift_up<const BITS: u32>(self) -> Self {
+        Self(self.0.map(|x| x << BITS))
+    }
+
+    #[inline(always)]
+    fn shift_down<const BITS: u32>(self) -> Self {
+        Self(self.0.map(|x| x >> BITS))
+    }
+}
+
+impl Lanes for Portable {
+    type Row = [f64; 4];
+
+    #[inline(always)]
+    fn load(from: &[f64; WIDTH]) -> Self {
+        Self(*from)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64; WIDTH]) {
+        *to = self.0;
+    }
+
+    #[inline(always)]
+    unsafe fn load_rows(column: &[Row], places: &[u32; WIDTH]) -> [Self; 4] {
+        let rows = places.map(|place| column[place as usize].0);
+        from_fn(|component| Self(rows.map(|row| row[component])))
+    }
+
+    #[inline(always)]
+    fn sort_words(a: Self::Bits, b: Self::Bits) -> [Self::Bits; 2] {
+        [PortableWords(from_fn(|k| a.0[k].min(b.0[k]))), PortableWords(from_fn(|k| a.0[k].max(b.0[k])))]
+    }
+
+    #[inline(always)]
+    fn of_kind(kinds: &[u16; WIDTH], kind: u16) -> Self::Mask {
+        kinds.map(|other| other == kind)
+    }
+
+    #[inline(always)]
+    fn rows([x, y, z]: [Self; 3], to: &mut [Row; WIDTH]) {
+        for (k, row) in to.iter_mut().enumerate() {
+            *row = Row([x.0[k], y.0[k], z.0[k], 0.0]);
+        }
+    }
+
+    #[inline(always)]
+    fn near(point: [f32; 3], others: [&[f32; SEARCH_WIDTH]; 3], squared: f32) -> u32 {
+        let mut mask = 0;
+        for k in 0..SEARCH_WIDTH {
+            let d: [f32; 3] = from_fn(|axis| point[axis] - others[axis][k]);
+            mask |= u32::from((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2] < squared) << k;
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn compress(mask: u32, from: &[u32; SEARCH_WIDTH], to: &mut [u32; SEARCH_WIDTH]) {
+        let mut count = 0;
+        for k in 0..SEARCH_WIDTH {
+            // `count` is at most k: no entry is read after it was written.
+            to[count] = from[k];
+            count += (mask >> k & 1) as usize;
+        }
+    }
+}
+
+impl RowLanes for [f64; 4] {
+    #[inline(always)]
+    unsafe fn load(from: *const Row) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { (*from).0 }
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, to: *mut Row) {
+        // SAFETY: the caller's promise.
+        unsafe { *to = Row(self) }
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        from_fn(|k| self[k] + other[k])
+    }
+
+    #[inline(always)]
+    fn subtract(self, other: Self) -> Self {
+        from_fn(|k| self[k] - other[k])
+    }
+
+    #[inline(always)]
+    fn add_scaled(self, factor: f64, direction: Self) -> Self {
+        from_fn(|k| f64::mul_add(factor, direction[k], self[k]))
+    }
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        let [x, y, z, w]: [f64; 4] = from_fn(|k| self[k] * other[k]);
+        (x + z) + (y + w)
+    }
+}
