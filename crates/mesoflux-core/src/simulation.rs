@@ -4,7 +4,8 @@ use crate::driving::{DrivenStep, Driving};
 use crate::forcing::ForcingError;
 use crate::integrate::{Columns, Integrator, Stroke};
 use crate::noise::NoiseKey;
-use crate::system::{SimulationError, Snapshot, SnapshotError, System};
+use crate::snapshot::{Snapshot, SnapshotError};
+use crate::system::{SimulationError, System};
 use serde::{Deserialize, Serialize};
 
 /// A simulation that can't be set up.
@@ -25,9 +26,9 @@ pub enum SetupError {
 
 /// The whole state of a simulation between two steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SimulationSnapshot {
+pub struct SimulationSnapshot<'a> {
     /// Particles, list, step.
-    pub system: Snapshot,
+    pub system: Snapshot<'a>,
     /// Where velocity Verlet keeps its forces.
     pub velocity_verlet: Option<Columns>,
 }
@@ -69,7 +70,7 @@ impl Simulation {
     }
 
     /// The whole state, between two steps.
-    pub fn snapshot(&self) -> SimulationSnapshot {
+    pub fn snapshot(&self) -> SimulationSnapshot<'_> {
         let velocity_verlet = match &self.integrator {
             Integrator::VelocityVerlet(scheme) => scheme.columns(),
             Integrator::Splitting(_) => None,
