@@ -131,7 +131,7 @@ fn seconds_a_step(prepared: &mut Prepared) -> Result<f64, SimulationError> {
 
 /// Seconds that all recorders' samples take, for each step.
 fn seconds_of_samples(prepared: &mut Prepared) -> Result<f64, SimulationError> {
-    fill(prepared, LONGEST);
+    fill(prepared, TIMED);
     let Prepared { simulation, recorders, .. } = prepared;
     let mut total = 0.0;
     for recorder in recorders {

@@ -47,7 +47,12 @@ fn shrunk(point: &PointPlan, most: u64) -> PointPlan {
     input.run.skin = Some(point.input.skin());
     input.system.sides = Some([side; 3]);
     input.system.density = None;
-    input.system.start = StartInput::CubicLattice;
+    // Lists are as long as the start makes them; but hard cores in random places would have to be relaxed for long.
+    let interactions = input.interactions();
+    let hard = interactions.potentials.entries().iter().flatten().any(|law| law.contact_distance() > 0.0);
+    if hard || input.system.start.arrangement().is_none() {
+        input.system.start = StartInput::CubicLattice;
+    }
     input.system.loaded = None;
     // Even numbers, for forcings that come in pairs.
     let fewer = |count: u64| (2.0 * (0.5 * count as f64 * factor).round()).max(2.0) as u64;
