@@ -143,6 +143,12 @@ impl MeanSquaredDisplacement {
         self.displacements.merge(&other.displacements)
     }
 
+    /// Lets go of the earlier configurations, which take nearly all of the memory: what was measured stays, and whatever is
+    /// recorded next begins anew, as after a seam.
+    pub fn forget_configurations(&mut self) {
+        self.history = VecDeque::new();
+    }
+
     /// Pairs of time difference and mean squared displacement.
     ///
     /// The errors of different times are strongly correlated; use [`linear`](Self::linear) for what combines several.
@@ -197,6 +203,18 @@ mod tests {
             let lag = (index + 1) as f64;
             assert_eq!((*time, plain.value, relative.value), (0.5 * lag, Some(5.0 * lag * lag), Some(lag * lag)));
         }
+    }
+
+    #[test]
+    fn forgotten_configurations_leave_the_curve() {
+        let mut displacement = MeanSquaredDisplacement::new(2, 3, 0.5).unwrap();
+        let records = separating(2.0, 10);
+        records.iter().for_each(|positions| displacement.record(positions).unwrap());
+        let curve = displacement.curve();
+        displacement.forget_configurations();
+        assert_eq!((displacement.curve(), displacement.origins()), (curve, 7));
+        records[..5].iter().for_each(|positions| displacement.record(positions).unwrap());
+        assert_eq!(displacement.origins(), 9, "three records pass before there are displacements again");
     }
 
     #[test]

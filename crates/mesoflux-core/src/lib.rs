@@ -21,6 +21,7 @@ pub mod pair;
 pub mod potential;
 pub mod run;
 pub mod simulation;
+pub mod snapshot;
 pub mod start;
 pub mod state;
 pub mod system;

@@ -4,8 +4,9 @@ use crate::driving::{DrivenStep, Driving};
 use crate::forcing::ForcingError;
 use crate::integrate::{Integrator, Stroke};
 use crate::noise::NoiseKey;
+use crate::snapshot::{Snapshot, SnapshotError};
 use crate::state::Column;
-use crate::system::{SimulationError, Snapshot, SnapshotError, System};
+use crate::system::{SimulationError, System};
 use serde::{Deserialize, Serialize};
 
 /// A simulation that can't be set up.
@@ -26,9 +27,9 @@ pub enum SetupError {
 
 /// The whole state of a simulation between two steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SimulationSnapshot {
+pub struct SimulationSnapshot<'a> {
     /// Particles, list, step.
-    pub system: Snapshot,
+    pub system: Snapshot<'a>,
     /// Where velocity Verlet keeps its forces.
     pub velocity_verlet: Option<Column>,
 }
@@ -70,7 +71,7 @@ impl Simulation {
     }
 
     /// The whole state, between two steps.
-    pub fn snapshot(&self) -> SimulationSnapshot {
+    pub fn snapshot(&self) -> SimulationSnapshot<'_> {
         let velocity_verlet = match &self.integrator {
             Integrator::VelocityVerlet(scheme) => scheme.force_column(),
             Integrator::Splitting(_) => None,

@@ -218,6 +218,10 @@ fn limited_forces(system: &mut System, limit: f64, force: &mut [Vector]) {
 /// # Errors
 /// The pair with the highest potential.
 pub fn check_overlaps(system: &mut System, temperature: f64) -> Result<(), Overlap> {
+    // Contacts of all pairs take much memory.
+    if contact_distance(&system.interactions) == 0.0 {
+        return Ok(());
+    }
     let limit = 1000.0 * temperature;
     let mut worst: Option<Overlap> = None;
     let region = system.region;

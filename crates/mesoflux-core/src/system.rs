@@ -1,6 +1,6 @@
 //! A system of particles with its box, laws and neighbor list: everything a letter can act on.
 
-use crate::bond::{Bond, Broken, Topology};
+use crate::bond::{Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::interactions::{Interactions, Kind, PairTable};
@@ -11,7 +11,6 @@ use crate::pair::{
 };
 use crate::state::Particles;
 use crate::vector::{Vector, dot};
-use serde::{Deserialize, Serialize};
 
 /// A simulation that failed numerically.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -79,108 +78,7 @@ pub struct System {
     layout: u64,
 }
 
-/// Everything that a system's future depends on beside its input: the particles, and where they were when the list was built.
-///
-/// The list's order is part of the state, because the thermostat's sweep follows it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {
-    /// Steps done.
-    pub step: u64,
-    /// The sides of the box.
-    pub sides: Vector,
-    /// The bonds.
-    pub bonds: Vec<Bond>,
-    /// The particles in storage order.
-    pub particles: Particles,
-    /// Their positions at the last list build.
-    pub reference: Vec<Vector>,
-}
-
-/// A snapshot that does not fit the system.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum SnapshotError {
-    /// Wrong lengths, ids, species or masses, numbers that are none, or places where no particle can have come.
-    #[error("the particles of the snapshot are not consistent")]
-    Inconsistent,
-    /// Another number of particles.
-    #[error("the snapshot has {found} particles: must have {expected}, as the input says")]
-    Count {
-        /// In the snapshot.
-        found: usize,
-        /// In the input.
-        expected: usize,
-    },
-    /// Another box.
-    #[error("the snapshot is of a box with the sides {found:?}: must be {expected:?}, as the input says")]
-    Box {
-        /// In the snapshot.
-        found: Vector,
-        /// In the input.
-        expected: Vector,
-    },
-    /// Other bonds.
-    #[error("the bonds of the snapshot are not those of the input")]
-    Bonds,
-    /// The list built from the reference positions has another order.
-    #[error("the neighbor list of the snapshot cannot be built again in its order: box, cutoffs or skin differ")]
-    Order,
-}
-
 impl System {
-    /// The state as it is.
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot {
-            step: self.step,
-            sides: self.region.sides(),
-            bonds: self.topology.bonds().to_vec(),
-            particles: self.particles.clone(),
-            reference: self.list.reference().to_vec(),
-        }
-    }
-
-    /// Takes over a state, to go on from it to the same bits as without the interruption.
-    ///
-    /// # Errors
-    /// A snapshot of another system, or a damaged one; this system is then no longer usable.
-    pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), SnapshotError> {
-        let (expected, found) = (self.particles.count(), snapshot.particles.count());
-        if found != expected {
-            return Err(SnapshotError::Count { found, expected });
-        }
-        let sides = self.region.sides();
-        if snapshot.sides != sides {
-            return Err(SnapshotError::Box { found: snapshot.sides, expected: sides });
-        }
-        if snapshot.bonds != self.topology.bonds() {
-            return Err(SnapshotError::Bonds);
-        }
-        // The list was built from wrapped positions: others would be wrapped again, and none may be wrapped twice.
-        let inside = |x: &Vector| x.iter().zip(sides).all(|(x, side)| (0.0..side).contains(x));
-        let species = self.interactions.potentials.species();
-        if snapshot.reference.len() != expected
-            || !snapshot.reference.iter().all(inside)
-            || !snapshot.particles.is_consistent(species)
-            || !snapshot.particles.are_the_same_as(&self.particles)
-        {
-            return Err(SnapshotError::Inconsistent);
-        }
-        // Built where it was built before, the list is the same to the last pair; then everybody goes where they have come since.
-        let (order, position) = (snapshot.particles.id.clone(), snapshot.particles.position.clone());
-        let crossings = snapshot.particles.crossings.clone();
-        self.particles = snapshot.particles;
-        self.particles.position = snapshot.reference;
-        self.rebuild();
-        if self.particles.id != order || self.particles.crossings != crossings {
-            return Err(SnapshotError::Order);
-        }
-        self.particles.position = position;
-        if self.list.is_spent(&self.particles, self.workers) {
-            return Err(SnapshotError::Inconsistent);
-        }
-        self.step = snapshot.step;
-        Ok(())
-    }
-
     /// A system at its start.
     ///
     /// # Errors
@@ -256,7 +154,8 @@ impl System {
         Ok(())
     }
 
-    fn rebuild(&mut self) {
+    /// Sorts the particles anew.
+    pub(crate) fn rebuild(&mut self) {
         self.list.build(&mut self.particles, self.workers);
         self.topology.follow(&self.particles.id);
         self.contacts_current = false;
@@ -363,7 +262,7 @@ impl System {
             + self.topology.sums(&self.particles, &self.region)
     }
 
-    /// The conservative forces of the last `update_forces`, in storage order.
+    /// The conservative forces of the last `update_forces`, in storage order; empty before the first.
     pub fn forces(&self) -> &[Row] {
         &self.force
     }

@@ -8,7 +8,7 @@ use mesoflux_analysis::{Blocking, Estimate};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::observable::Thermodynamics;
 
-const RUNS: u64 = 400;
+const RUNS: u64 = 1200;
 
 /// Kinetic temperature and pressure of one short run of a soft fluid, sampled at every step.
 fn short_run(seed: u64, run: u64) -> Blocking {

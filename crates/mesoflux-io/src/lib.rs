@@ -6,3 +6,4 @@ pub mod directory;
 pub mod input;
 pub mod results;
 pub mod state;
+pub mod stream;

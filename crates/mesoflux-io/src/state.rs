@@ -1,13 +1,14 @@
 //! What stands first in the state of every run: enough to tell what it is and to start another run from it.
 
+use crate::checkpoint::StateReader;
 use mesoflux_core::pair::KERNEL;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// The version of the layout of a state.
 const LAYOUT: u32 = 2;
 
-/// Read before the rest. What follows it is the simulation's snapshot, then the recorders.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// Read before the rest, its fields in this order. What follows it is the simulation's snapshot, then the recorders.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Head {
     layout: u32,
     /// The set of kernels that computed it: another one may go on to other bits.
@@ -26,20 +27,17 @@ impl Head {
         Self { layout: LAYOUT, kernel: KERNEL.to_owned(), steps, species, bonds }
     }
 
-    /// Reads the head of a state.
+    /// Reads the head of a state, which stands first in it.
     ///
     /// # Errors
     /// A state of another version of the program, or none.
-    pub fn read(state: &[u8]) -> Result<Self, String> {
-        let layout = postcard::take_from_bytes::<u32>(state).map(|(layout, _)| layout);
-        match layout {
-            Ok(LAYOUT) => postcard::take_from_bytes(state)
-                .map(|(head, _)| head)
-                .map_err(|error| format!("has a head that can't be read: {error}")),
-            Ok(other) => {
-                Err(format!("has the layout {other}: must have {LAYOUT}, that of this version of the program"))
-            }
-            Err(error) => Err(format!("has a head that can't be read: {error}")),
+    pub fn read(state: &mut StateReader) -> Result<Self, String> {
+        let unreadable = |error| format!("has a head that can't be read: {error}");
+        let layout = state.next_value().map_err(unreadable)?;
+        if layout != LAYOUT {
+            return Err(format!("has the layout {layout}: must have {LAYOUT}, that of this version of the program"));
         }
+        let (kernel, steps, species, bonds) = state.next_value().map_err(unreadable)?;
+        Ok(Self { layout, kernel, steps, species, bonds })
     }
 }

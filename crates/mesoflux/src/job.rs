@@ -4,12 +4,13 @@ use crate::plan::{Plan, PointPlan, Task};
 use crate::progress::Progress;
 use crate::route::{Record, RouteError, RouteRecorder, thermometer};
 use crate::setup::simulation;
-use crate::store::{Kept, LastKept, RunState, Store, StoreError};
+use crate::store::{Kept, LastKept, Store, StoreError};
 use mesoflux_core::domain::Workers;
 use mesoflux_core::run::{Length, run};
 use mesoflux_core::simulation::Simulation;
+use mesoflux_core::snapshot::SnapshotError;
 use mesoflux_core::start::Overlap;
-use mesoflux_core::system::{SimulationError, SnapshotError};
+use mesoflux_core::system::SimulationError;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -185,12 +186,6 @@ impl Prepared {
     }
 }
 
-/// The whole state of a run.
-pub(crate) fn state_of(simulation: &Simulation, recorders: &[Box<dyn RouteRecorder>]) -> Result<RunState, RouteError> {
-    let recorders = recorders.iter().map(|recorder| recorder.save()).collect::<Result<_, _>>()?;
-    Ok(RunState { simulation: simulation.snapshot(), recorders })
-}
-
 fn perform_task(
     plan: &Plan,
     task: Task,
@@ -260,8 +255,7 @@ fn perform_task(
         let mut keep = |simulation: &Simulation, recorders: &[Box<dyn RouteRecorder>]| -> Result<LastKept, JobError> {
             let began = Instant::now();
             if let (Some(store), Some(files)) = (conduct.store, &mut files) {
-                let state = state_of(simulation, recorders).map_err(refused)?;
-                store.write(files, input, &state).map_err(unkept)?;
+                store.write(files, input, simulation, recorders).map_err(unkept)?;
             }
             Ok(LastKept::since(began, simulation.system.step))
         };

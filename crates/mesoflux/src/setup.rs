@@ -92,9 +92,18 @@ fn arranged(input: &Input, arrangement: Start, region: &PeriodicBox, noise: Nois
     }
     species.iter().for_each(|&kind| free[usize::from(kind)] -= 1);
     let dealt = deal_species(&free, noise);
-    sites.extend(positions(arrangement, dealt.len(), region, noise));
-    species.extend(dealt);
-    Particles::at_rest(sites, species, &input.masses())
+    let placed = positions(arrangement, dealt.len(), region, noise);
+    Particles::at_rest(followed_by(sites, placed), followed_by(species, dealt), &input.masses())
+}
+
+/// One list after the other; where the first is empty, the second as it is.
+fn followed_by<T>(mut first: Vec<T>, second: Vec<T>) -> Vec<T> {
+    if first.is_empty() {
+        return second;
+    }
+    first.reserve_exact(second.len());
+    first.extend(second);
+    first
 }
 
 /// The particles of a file; whether they are to be relaxed; whether their momenta are to be drawn.

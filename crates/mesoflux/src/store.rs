@@ -1,13 +1,16 @@
 //! Where the runs of a job keep their states, so that nothing is lost.
 
 use crate::plan::Task;
+use crate::route::RouteRecorder;
 use mesoflux_core::pair::KERNEL;
-use mesoflux_core::simulation::SimulationSnapshot;
-use mesoflux_io::checkpoint::{CheckpointError, CheckpointFiles};
+use mesoflux_core::simulation::{Simulation, SimulationSnapshot};
+use mesoflux_io::checkpoint::{CheckpointError, CheckpointFiles, StateReader};
 use mesoflux_io::directory::{DirectoryError, OutputDirectory};
 use mesoflux_io::input::Input;
 use mesoflux_io::state::Head;
+use mesoflux_io::stream::{self, Count};
 use serde::{Deserialize, Serialize};
+use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -64,25 +67,41 @@ pub struct Store {
     pub cadence: Cadence,
 }
 
-/// Everything that one run needs to go on.
+/// Everything that one run needs to go on, as it is read; `write_state` writes it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunState {
     /// The simulation.
-    pub simulation: SimulationSnapshot,
+    pub simulation: SimulationSnapshot<'static>,
     /// The recorders, in the order of the measurements that use the run; the thermometer last.
     pub recorders: Vec<Vec<u8>>,
 }
 
-impl RunState {
-    /// The state in bytes, behind its head.
-    ///
-    /// # Errors
-    /// None that can be met.
-    pub fn encode(&self, input: &Input) -> Result<Vec<u8>, postcard::Error> {
-        let species = input.species().into_iter().map(|(name, _)| name).collect();
-        let head = Head::new(self.simulation.system.step, species, input.bond.keys().cloned().collect());
-        postcard::to_stdvec(&(head, self))
+/// The head of the state of a run of an input.
+pub fn head(input: &Input, step: u64) -> Head {
+    let species = input.species().into_iter().map(|(name, _)| name).collect();
+    Head::new(step, species, input.bond.keys().cloned().collect())
+}
+
+/// Streams the state of a run of an input, behind its head; nothing of it is copied in memory.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_state(
+    out: &mut impl Write,
+    input: &Input,
+    simulation: &Simulation,
+    recorders: &[Box<dyn RouteRecorder>],
+) -> std::io::Result<()> {
+    stream::write(out, &(head(input, simulation.system.step), simulation.snapshot()))?;
+    stream::write(out, &(recorders.len() as u64))?;
+    for recorder in recorders {
+        // Its length comes before its bytes, so it's asked for them twice.
+        let mut length = Count::default();
+        recorder.save(&mut length)?;
+        stream::write(out, &length.0)?;
+        recorder.save(out)?;
     }
+    Ok(())
 }
 
 /// What is there of a run.
@@ -105,9 +124,6 @@ pub enum StoreError {
     /// No whole state is left.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// A state that can't be put into bytes.
-    #[error("the state of a run can't be written: {0}")]
-    Layout(#[from] postcard::Error),
 }
 
 impl Store {
@@ -125,8 +141,14 @@ impl Store {
     ///
     /// # Errors
     /// A file that can't be written; the states before are then still there.
-    pub fn write(&self, files: &mut CheckpointFiles, input: &Input, state: &RunState) -> Result<(), StoreError> {
-        Ok(files.write(&self.directory, &state.encode(input)?)?)
+    pub fn write(
+        &self,
+        files: &mut CheckpointFiles,
+        input: &Input,
+        simulation: &Simulation,
+        recorders: &[Box<dyn RouteRecorder>],
+    ) -> Result<(), StoreError> {
+        Ok(files.write(&self.directory, |out| write_state(out, input, simulation, recorders))?)
     }
 
     /// Reads the newest whole state of a run, if it has any.
@@ -134,7 +156,7 @@ impl Store {
     /// # Errors
     /// States of which none is whole.
     pub fn read(&self, files: &mut CheckpointFiles) -> Result<Option<Kept>, StoreError> {
-        let Some(found) = files.read(self.directory.path(), |bytes| Ok(Head::read(bytes)?.steps), decode)? else {
+        let Some(found) = files.read(self.directory.path(), |state| Ok(Head::read(state)?.steps), decode)? else {
             return Ok(None);
         };
         let step = found.state.simulation.system.step;
@@ -145,17 +167,17 @@ impl Store {
     }
 }
 
-fn decode(bytes: &[u8]) -> Result<RunState, String> {
-    let unreadable = |error| format!("holds a state that can't be read: {error}");
-    let ((head, state), rest) = postcard::take_from_bytes::<(Head, RunState)>(bytes).map_err(unreadable)?;
+fn decode(values: &mut StateReader) -> Result<RunState, String> {
+    let head = Head::read(values)?;
     if head.kernel != KERNEL {
         return Err(format!(
             "was computed by the kernels \"{}\": must be \"{KERNEL}\", to go on to the same bits",
             head.kernel
         ));
     }
-    if !rest.is_empty() {
-        return Err(format!("has {} bytes after the state: must have none", rest.len()));
+    let state: RunState = values.next_value().map_err(|error| format!("holds a state that can't be read: {error}"))?;
+    if values.left() > 0 {
+        return Err(format!("has {} bytes after the state: must have none", values.left()));
     }
     let (said, step) = (head.steps, state.simulation.system.step);
     if said != step {
@@ -167,6 +189,7 @@ fn decode(bytes: &[u8]) -> Result<RunState, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mesoflux_io::checkpoint::StateWriter;
 
     #[test]
     fn a_state_of_other_kernels_is_refused() {
@@ -178,18 +201,20 @@ mod tests {
         let mut head = Head::new(0, Vec::new(), Vec::new());
         head.kernel = "abacus".to_owned();
         let mut files = CheckpointFiles::new("run");
-        files.write(&store.directory, &postcard::to_stdvec(&(head, state())).unwrap()).unwrap();
+        let none: [Vec<u8>; 0] = [];
+        let write = |out: &mut StateWriter| stream::write(out, &(head, simulation().snapshot(), none.as_slice()));
+        files.write(&store.directory, write).unwrap();
         let refused = store.read(&mut CheckpointFiles::new("run")).unwrap_err().to_string();
         assert!(refused.contains("was computed by the kernels \"abacus\": must be \"portable\""), "{refused}");
     }
 
-    /// The state of two particles at rest.
-    fn state() -> RunState {
+    /// Two particles at rest.
+    fn simulation() -> Simulation {
         use mesoflux_core::boundary::PeriodicBox;
         use mesoflux_core::{
             domain::Workers, integrate, interactions::Interactions, noise::NoiseKey, state::Particles,
         };
-        use mesoflux_core::{friction::Friction, simulation::Simulation, system::System};
+        use mesoflux_core::{friction::Friction, system::System};
         let friction =
             Friction::Linear(mesoflux_core::friction::linear::Linear { coefficient: 1.0, cutoff: 1.0, exponent: 2.0 });
         let particles = Particles::at_rest(vec![[0.5; 3], [1.5; 3]], vec![0; 2], &[1.0]);
@@ -197,8 +222,7 @@ mod tests {
         let laws = Interactions::uniform(None, Some(friction), 1.0);
         let system = System::new(particles, region, laws, 0.3, Workers::One).unwrap();
         let integrator = integrate::Integrator::VelocityVerlet(integrate::VelocityVerlet::new(1.0, 0.5));
-        let simulation = Simulation::new(system, integrator, None, NoiseKey::new(&[1]), 0.01).unwrap();
-        RunState { simulation: simulation.snapshot(), recorders: Vec::new() }
+        Simulation::new(system, integrator, None, NoiseKey::new(&[1]), 0.01).unwrap()
     }
 
     #[test]

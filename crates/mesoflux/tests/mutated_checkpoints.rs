@@ -9,10 +9,11 @@ use mesoflux::answer::{Circumstances, answer};
 use mesoflux::job::{Conduct, JobError, perform};
 use mesoflux::plan::Plan;
 use mesoflux::progress::Progress;
-use mesoflux::store::{Cadence, Store};
-use mesoflux_io::checkpoint::{decode, encode};
+use mesoflux::store::{Cadence, RunState, Store, head};
+use mesoflux_io::checkpoint::{HEADER, WholeState};
 use mesoflux_io::directory::OutputDirectory;
 use mesoflux_io::input::{InputFile, Setting};
+use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -27,6 +28,7 @@ const NORTON: &str =
 struct Victim {
     longer: Plan,
     store: Store,
+    states: OutputDirectory,
     path: PathBuf,
     good: Vec<u8>,
     stop: AtomicBool,
@@ -38,7 +40,7 @@ impl Victim {
     fn new(input: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let states = OutputDirectory::explicit(&folder.path().join("states"), false).unwrap();
-        let store = Store::new(states, Cadence { steps: None, wall: Duration::MAX });
+        let store = Store::new(states.clone(), Cadence { steps: None, wall: Duration::MAX });
         let file = folder.path().join("fluid.toml");
         std::fs::write(&file, input).unwrap();
         let plan = |time: &str| {
@@ -49,6 +51,7 @@ impl Victim {
             longer: plan("4.0"),
             path: folder.path().join("states/point-0-run-0-replica-0.a.checkpoint"),
             store,
+            states,
             good: Vec::new(),
             stop: AtomicBool::new(false),
             progress: Progress::new(0, true),
@@ -58,6 +61,11 @@ impl Victim {
         assert_eq!(short.tasks().len(), 1);
         victim.go_on(&short).unwrap();
         victim.good = std::fs::read(&victim.path).unwrap();
+        // What was streamed is what would have been encoded whole.
+        let RunState { simulation, recorders } = victim.state();
+        let head = head(&victim.longer.points[0].input, simulation.system.step);
+        let encoded = postcard::to_stdvec(&(head, simulation, recorders)).unwrap();
+        assert!(victim.good[HEADER..] == encoded, "a stream is encoded otherwise");
         victim
     }
 
@@ -68,6 +76,11 @@ impl Victim {
         let finished = perform(plan, &conduct)?;
         answer(&plan.points[0].input, plan, &finished, Circumstances { threads: 1, wall_seconds: 1.0 })?;
         Ok(())
+    }
+
+    /// The state that is there.
+    fn state(&self) -> RunState {
+        self.store.read(&mut self.store.files(self.longer.tasks()[0])).unwrap().unwrap().state
     }
 
     /// Leaves no state.
@@ -81,6 +94,13 @@ impl Victim {
     fn place(&self, contents: &[u8]) {
         self.clear();
         std::fs::write(&self.path, contents).unwrap();
+    }
+
+    /// The contents of a file with this state, whose checksum is right.
+    fn framed(&self, state: &[u8]) -> Vec<u8> {
+        self.clear();
+        self.store.files(self.longer.tasks()[0]).write(&self.states, |out| out.write_all(state)).unwrap();
+        std::fs::read(&self.path).unwrap()
     }
 
     /// Goes on from a file with these contents: whether that was possible, or the message of the refusal.
@@ -103,8 +123,7 @@ impl Victim {
 fn mutate_within(victim: &Victim, random: &mut Random) -> Vec<u8> {
     loop {
         victim.place(&victim.good);
-        let mut files = victim.store.files(victim.longer.tasks()[0]);
-        let mut state = victim.store.read(&mut files).unwrap().unwrap().state;
+        let mut state = victim.state();
         if random.below(2) == 0 {
             let recorder = random.below(state.recorders.len());
             let bytes = &mut state.recorders[recorder];
@@ -123,12 +142,9 @@ fn mutate_within(victim: &Victim, random: &mut Random) -> Vec<u8> {
             let Ok(simulation) = postcard::from_bytes(&bytes) else { continue };
             state.simulation = simulation;
         }
-        victim.clear();
-        victim
-            .store
-            .write(&mut victim.store.files(victim.longer.tasks()[0]), &victim.longer.points[0].input, &state)
-            .unwrap();
-        return std::fs::read(&victim.path).unwrap();
+        let RunState { simulation, recorders } = state;
+        let head = head(&victim.longer.points[0].input, simulation.system.step);
+        return victim.framed(&postcard::to_stdvec(&(head, simulation, recorders)).unwrap());
     }
 }
 
@@ -181,11 +197,11 @@ fn meet_a_thousand() {
                 mutate(&mut bytes, &mut random);
             }
         } else if number % 4 == 1 {
-            let mut state = decode(&victim.good).unwrap().to_vec();
+            let mut state = victim.good[HEADER..].to_vec();
             for _ in 0..=random.below(3) {
                 mutate(&mut state, &mut random);
             }
-            bytes = encode(&state);
+            bytes = victim.framed(&state);
         } else {
             bytes = mutate_within(victim, &mut random);
         }
@@ -201,7 +217,8 @@ fn meet_a_thousand() {
             Err(message) => {
                 assert!(message.contains("point-0-run-0-replica-0.a.checkpoint"), "number {number}: {message}");
                 refused += 1;
-                damaged += u64::from(decode(&bytes).is_err());
+                std::fs::write(&victim.path, &bytes).unwrap();
+                damaged += u64::from(WholeState::open(&victim.path, "").is_err());
             }
         }
     }

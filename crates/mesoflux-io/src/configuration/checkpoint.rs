@@ -1,26 +1,39 @@
 //! The particles of a checkpoint of an earlier run, as the start of a new one.
 
 use super::{Bond, Configuration, ConfigurationError, Motion, Named};
-use crate::checkpoint::decode;
+use crate::checkpoint::{CheckpointError, WholeState};
 use crate::state::Head;
 use mesoflux_core::simulation::SimulationSnapshot;
+use mesoflux_core::snapshot::Snapshot;
+use std::path::Path;
 
-/// Reads the contents of a checkpoint.
+/// Reads the checkpoint at `path`, which messages call `name`.
 ///
 /// # Errors
-/// Contents that are damaged, or of another version of the program.
-pub(super) fn parse(name: &str, contents: &[u8]) -> Result<Configuration, ConfigurationError> {
-    let refused = |reason: String| ConfigurationError::Checkpoint { path: name.to_owned(), reason };
-    let state = decode(contents).map_err(refused)?;
-    let head = Head::read(state).map_err(refused)?;
-    let (_, snapshot): (Head, SimulationSnapshot) = postcard::take_from_bytes(state)
-        .map(|(found, _)| found)
-        .map_err(|error| refused(format!("holds a state that can't be read: {error}")))?;
-    let system = snapshot.system;
+/// A file that is damaged, or of another version of the program.
+pub(super) fn read(name: &str, path: &Path) -> Result<Configuration, ConfigurationError> {
+    let taken = WholeState::open(path, name).and_then(|state| {
+        state.read(|values| {
+            let head = Head::read(values)?;
+            let unreadable = |error| format!("holds a state that can't be read: {error}");
+            configuration(&head, &values.next_value::<SimulationSnapshot>().map_err(unreadable)?.system)
+        })
+    });
+    taken.map_err(|error| match error {
+        CheckpointError::Read { path, source } => ConfigurationError::Read { path, source },
+        CheckpointError::Damaged { path, reason } => ConfigurationError::Checkpoint { path, reason },
+        none @ CheckpointError::NoneWhole(_) => {
+            ConfigurationError::Checkpoint { path: name.to_owned(), reason: none.to_string() }
+        }
+    })
+}
+
+/// The particles of a state, in the order of their ids.
+fn configuration(head: &Head, system: &Snapshot) -> Result<Configuration, String> {
     let particles = &system.particles;
     let bonds_known = system.bonds.iter().all(|bond| usize::from(bond.law) < head.bonds.len());
     if !particles.is_consistent(head.species.len()) || !bonds_known {
-        return Err(refused("holds particles that are not consistent".to_owned()));
+        return Err("holds particles that are not consistent".to_owned());
     }
     let count = particles.count();
     let mut place = vec![0; count];

@@ -121,13 +121,14 @@ impl Configuration {
         // A device or a pipe might never end.
         let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
         let refused = || std::io::Error::new(std::io::ErrorKind::InvalidInput, "must be a file");
-        match is_file.and_then(|is_file| if is_file { std::fs::read(path) } else { Err(refused()) }) {
-            Err(source) => Err(ConfigurationError::Read { path: name.to_owned(), source }),
-            Ok(text) => match format {
-                Format::ExtendedXyz => extended_xyz::parse(name, &text),
-                Format::LammpsData => lammps_data::parse(name, &text),
-                Format::Checkpoint => checkpoint::parse(name, &text),
-            },
+        let is_file = is_file.and_then(|is_file| if is_file { Ok(()) } else { Err(refused()) });
+        let unreadable = |source| ConfigurationError::Read { path: name.to_owned(), source };
+        is_file.map_err(unreadable)?;
+        let contents = || std::fs::read(path).map_err(unreadable);
+        match format {
+            Format::ExtendedXyz => extended_xyz::parse(name, &contents()?),
+            Format::LammpsData => lammps_data::parse(name, &contents()?),
+            Format::Checkpoint => checkpoint::read(name, path),
         }
     }
 }

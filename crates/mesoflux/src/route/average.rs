@@ -5,6 +5,8 @@ use mesoflux_analysis::{AnalysisError, Blocking};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::system::System;
 use mesoflux_io::input::Input;
+use mesoflux_io::stream;
+use std::io::{self, Write};
 
 /// The time average of what `read` takes from the system.
 pub(super) struct Average {
@@ -52,8 +54,12 @@ impl<F: Fn(&mut System) -> Vec<f64> + Send> Recorder for StateRecorder<F> {
 }
 
 impl<F: Fn(&mut System) -> Vec<f64> + Send> RouteRecorder for StateRecorder<F> {
-    fn save(&self) -> Result<Vec<u8>, RouteError> {
-        Ok(postcard::to_stdvec(&(self.interval, &self.series))?)
+    fn interval(&self) -> u64 {
+        self.interval
+    }
+
+    fn save(&self, out: &mut dyn Write) -> io::Result<()> {
+        stream::write(out, &(self.interval, &self.series))
     }
 
     fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {

@@ -6,6 +6,8 @@ use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::vector::Vector;
 use mesoflux_io::input::{Input, MeanSquaredDisplacementInput};
 use mesoflux_io::results::Conditions;
+use mesoflux_io::stream;
+use std::io::{self, Write};
 
 /// Lags between zero and the longest one at which the displacement is measured.
 const LAGS: u64 = 32;
@@ -36,11 +38,6 @@ impl Route for MeanSquaredDisplacementRoute {
         let spacing = interval as f64 * input.dynamics.time_step;
         let displacement = MeanSquaredDisplacement::new(input.particles() as usize, LAGS as usize, spacing)?;
         Ok(Box::new(DisplacementRecorder { interval, displacement, positions: Vec::new(), failure: None }))
-    }
-
-    /// A configuration for each lag.
-    fn grows_to(&self, input: &Input) -> u64 {
-        (LAGS + 1) * input.particles() * size_of::<Vector>() as u64
     }
 
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
@@ -84,8 +81,12 @@ impl Recorder for DisplacementRecorder {
 }
 
 impl RouteRecorder for DisplacementRecorder {
-    fn save(&self) -> Result<Vec<u8>, RouteError> {
-        Ok(postcard::to_stdvec(&(self.interval, &self.displacement))?)
+    fn interval(&self) -> u64 {
+        self.interval
+    }
+
+    fn save(&self, out: &mut dyn Write) -> io::Result<()> {
+        stream::write(out, &(self.interval, &self.displacement))
     }
 
     fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
@@ -97,7 +98,9 @@ impl RouteRecorder for DisplacementRecorder {
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<Record, RouteError> {
+    fn finish(mut self: Box<Self>) -> Result<Record, RouteError> {
+        // Records of finished runs stay in memory to the end of the job.
+        self.displacement.forget_configurations();
         match self.failure {
             Some(failure) => Err(failure.into()),
             None => Ok(Record::Displacement(self.displacement)),

@@ -15,6 +15,7 @@ use mesoflux_core::observable::Thermodynamics;
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::{Input, MeasureInput, Quantity};
 use mesoflux_io::results::Conditions;
+use std::io::{self, Write};
 
 /// How a run is driven; runs that agree in it are the same run, whichever routes ask for them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +75,7 @@ pub enum RouteError {
     /// The estimator refused.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
-    /// A recorder's state that can't be written or read.
+    /// A recorder's state that can't be read.
     #[error("the state of a recorder: {0}")]
     State(#[from] postcard::Error),
     /// A recorder's state that isn't one of this recorder.
@@ -116,11 +117,14 @@ impl Outcome {
 
 /// A recorder that can be kept in a checkpoint and turned into its record.
 pub trait RouteRecorder: Recorder {
-    /// Everything it holds.
+    /// Steps from one sample to the next.
+    fn interval(&self) -> u64;
+
+    /// Writes everything it holds, the same bytes each time.
     ///
     /// # Errors
-    /// None that can be met.
-    fn save(&self) -> Result<Vec<u8>, RouteError>;
+    /// Those of `out`.
+    fn save(&self, out: &mut dyn Write) -> io::Result<()>;
 
     /// Takes over what `save` gave.
     ///
@@ -156,11 +160,6 @@ pub trait Route: Send + Sync {
     /// # Errors
     /// Parameters that the estimator refuses.
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError>;
-
-    /// How many bytes its recorder comes to hold beyond what it begins with.
-    fn grows_to(&self, _input: &Input) -> u64 {
-        0
-    }
 
     /// The estimate from the records of its runs, in their order, the replicas of each merged.
     ///

@@ -4,6 +4,8 @@ use super::{RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, Blocking, MeanSquaredDisplacement};
 use mesoflux_core::driving::DrivenStep;
 use mesoflux_core::run::{Moment, Recorder};
+use mesoflux_io::stream;
+use std::io::{self, Write};
 
 /// The record of a run, or of several replicas merged.
 #[derive(Debug, Clone)]
@@ -90,8 +92,12 @@ impl Recorder for DrivenRecorder {
 }
 
 impl RouteRecorder for DrivenRecorder {
-    fn save(&self) -> Result<Vec<u8>, RouteError> {
-        Ok(postcard::to_stdvec(&(self.interval, self.sum, &self.series))?)
+    fn interval(&self) -> u64 {
+        self.interval
+    }
+
+    fn save(&self, out: &mut dyn Write) -> io::Result<()> {
+        stream::write(out, &(self.interval, self.sum, &self.series))
     }
 
     fn load(&mut self, state: &[u8]) -> Result<(), RouteError> {
