@@ -1,0 +1,150 @@
+//! Whether both programs do the same physics: kinetic temperature and pressure at the same settings.
+//!
+//! Velocity Verlet is the same algorithm in both: LAMMPS evaluates its pair forces with the velocities of the half step, which is
+//! Groot and Warren's prediction with λ = ½. There the two must agree within a percent and four standard errors. ABOBA has
+//! another error of order Δt² than LAMMPS' scheme, of which the larger part is LAMMPS' (its temperature is 1.4 % too high for
+//! Groot and Warren's fluid at Δt = 0.02), so three percent are allowed.
+
+use crate::failure::Failure;
+use crate::lammps::{Lammps, Run, Variant};
+use crate::options::Options;
+use crate::task::Task;
+use crate::work::{Scheme, Work};
+use mesoflux_analysis::{Blocking, Estimate};
+use serde::{Deserialize, Serialize};
+
+/// Standard errors that two results may be apart on top of what the schemes may differ by.
+const STANDARD_ERRORS: f64 = 4.0;
+
+/// One quantity of both programs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Agreement {
+    /// The work.
+    pub work: String,
+    /// Our integrator.
+    pub integrator: String,
+    /// Temperature or pressure.
+    pub quantity: String,
+    /// Ours.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// LAMMPS', with the normalization of ours.
+    pub lammps_value: f64,
+    /// Its standard error.
+    pub lammps_standard_error: f64,
+    /// The difference of the two that is not yet a failure.
+    pub allowed: f64,
+    /// The date on which this was found.
+    pub date: String,
+}
+
+impl Agreement {
+    /// The difference over its standard error.
+    pub fn z_score(&self) -> f64 {
+        (self.value - self.lammps_value) / self.standard_error.hypot(self.lammps_standard_error)
+    }
+
+    /// Fails where the two are too far apart.
+    fn check(&self) -> Result<(), Failure> {
+        let difference = (self.value - self.lammps_value).abs();
+        if difference <= self.allowed {
+            return Ok(());
+        }
+        let Self { work, integrator, quantity, value, standard_error, lammps_value, lammps_standard_error, .. } = self;
+        Err(Failure::Disagreement(format!(
+            "{work}: mesoflux ({integrator}) and LAMMPS do not do the same physics: {quantity} {value:.5} ± {standard_error:.5} \
+             against {lammps_value:.5} ± {lammps_standard_error:.5}; must not be more than {:.5} apart",
+            self.allowed
+        )))
+    }
+}
+
+/// Compares both quantities for every scheme of a work that is timed.
+pub fn check(options: &Options, work: &Work, lammps: &Lammps, date: &str) -> Result<Vec<Agreement>, Failure> {
+    // A short trial needs no long samples: its errors only come out larger.
+    let sampled = ((work.sampled as f64 * (options.seconds / 4.0).min(1.0)) as u64).max(200);
+    let run = Run { steps: 1, sampled, ..options.lammps_run(work, 1) };
+    let theirs = lammps.run(Variant::Plain, &run)?;
+    let mut found = Vec::new();
+    for &scheme in work.schemes {
+        // Our momenta start at a temperature that fluctuates, LAMMPS' at exactly the mean: ours get longer to settle.
+        let task = Task { sampled, warm_up: work.warm_up + sampled, ..options.task(work, scheme) };
+        let ours = task.perform()?;
+        let volume = crate::setup::read(&task.input, &task.settings)?.sides().iter().product::<f64>();
+        let relative = if scheme == Scheme::VelocityVerlet { 0.01 } else { 0.03 };
+        for (component, quantity) in ["temperature", "pressure"].into_iter().enumerate() {
+            let (value, standard_error) = mean(&ours.samples, component);
+            let (mut lammps_value, lammps_standard_error) = mean(&theirs.samples, component);
+            if quantity == "pressure" {
+                // LAMMPS counts (N − 1) kT of kinetic pressure, we N kT.
+                lammps_value += mean(&theirs.samples, 0).0 / volume;
+            }
+            let allowed = relative * lammps_value.abs() + STANDARD_ERRORS * standard_error.hypot(lammps_standard_error);
+            let (work, integrator) = (work.name.to_owned(), scheme.name().to_owned());
+            let (quantity, date) = (quantity.to_owned(), date.to_owned());
+            found.push(Agreement {
+                work,
+                integrator,
+                quantity,
+                value,
+                standard_error,
+                lammps_value,
+                lammps_standard_error,
+                allowed,
+                date,
+            });
+        }
+    }
+    found.iter().try_for_each(Agreement::check)?;
+    Ok(found)
+}
+
+/// The mean of a component and its standard error by blocking; where that can't tell, the deviation of a single sample.
+fn mean(samples: &[[f64; 2]], component: usize) -> (f64, f64) {
+    let estimate = Blocking::new(1).map_or_else(
+        |error| Estimate::unknown(error.to_string()),
+        |mut blocking| {
+            let mut record = |sample: &[f64; 2]| blocking.record(&sample[component..=component]);
+            match samples.iter().try_for_each(&mut record) {
+                Ok(()) => blocking.estimate(),
+                Err(error) => Estimate::unknown(error.to_string()),
+            }
+        },
+    );
+    let mean = samples.iter().map(|sample| sample[component]).sum::<f64>() / samples.len() as f64;
+    let squares = samples.iter().map(|sample| (sample[component] - mean).powi(2)).sum::<f64>();
+    let deviation = (squares / (samples.len() as f64 - 1.0)).sqrt();
+    (mean, estimate.standard_error.unwrap_or(deviation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_apart_by_more_than_allowed_are_a_failure_that_names_them() {
+        let agreement = Agreement {
+            work: "ideal-16".into(),
+            integrator: "ABOBA".into(),
+            quantity: "temperature".into(),
+            value: 1.00,
+            standard_error: 0.003,
+            lammps_value: 1.05,
+            lammps_standard_error: 0.004,
+            allowed: 0.06,
+            date: String::new(),
+        };
+        assert!((agreement.z_score() + 10.0).abs() < 1e-9);
+        assert!(agreement.check().is_ok());
+        let message = Agreement { allowed: 0.04, ..agreement }.check().unwrap_err().to_string();
+        assert!(message.contains("temperature 1.00000 ± 0.00300 against 1.05000"), "{message}");
+    }
+
+    #[test]
+    fn a_series_too_short_for_blocking_has_the_error_of_one_sample() {
+        let (value, error) = mean(&[[1.0, 0.0], [3.0, 0.0]], 0);
+        assert_eq!(value, 2.0);
+        assert!((error - 2.0f64.sqrt()).abs() < 1e-12);
+    }
+}
