@@ -98,7 +98,7 @@ pub fn compare(
             }
             Ok(moved as f64 * steps as f64 / rate)
         };
-        steps.push(steps_for(options.seconds, work.first_steps, seconds_for)?);
+        steps.push(steps_for(options.seconds, options.first_steps(work), seconds_for)?);
     }
     for round in 1..=options.rounds {
         for (contestant, &steps) in contestants.iter_mut().zip(&steps) {

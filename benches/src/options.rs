@@ -90,9 +90,20 @@ impl Options {
         Task::new(self.inputs.join(format!("{}.toml", work.name)), settings, self.warm_up(work.warm_up))
     }
 
+    /// The numbers of threads to try: two only where two can run at once, for a number worth reading.
+    pub fn threads(&self) -> &'static [usize] {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        if self.small || cores > 1 { &[1, 2] } else { &[1] }
+    }
+
     /// Steps of warm-up; those of a tiny system are a few.
     pub fn warm_up(&self, steps: u64) -> u64 {
         if self.small { steps.min(20) } else { steps }
+    }
+
+    /// Steps of the first trial; of a tiny system, as few as can be.
+    pub fn first_steps(&self, work: &Work) -> u64 {
+        if self.small { 1 } else { work.first_steps }
     }
 
     /// LAMMPS' run for a work on so many threads.
@@ -108,7 +119,7 @@ impl Options {
 
     /// The directory of the results; `None` if they are not to be written.
     pub fn written(&self) -> Option<PathBuf> {
-        let enough = self.rounds >= LEAST_ROUNDS && (!self.small || self.output.is_some());
+        let enough = if self.small { self.output.is_some() } else { self.rounds >= LEAST_ROUNDS };
         enough.then(|| self.output.clone().unwrap_or_else(|| self.inputs.clone()))
     }
 }
@@ -120,4 +131,22 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 fn positive(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|&seconds: &f64| seconds > 0.0 && seconds.is_finite());
     seconds.ok_or_else(|| "must be a number of seconds above 0".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_results_that_mean_something_are_written_without_being_asked_for() {
+        let written = |arguments: &[&str]| {
+            let arguments = ["bench"].iter().chain(arguments);
+            Options::try_parse_from(arguments).unwrap().written()
+        };
+        assert_eq!(written(&[]), Some(PathBuf::from("benches")));
+        assert_eq!(written(&["--rounds", "7", "--output", "there"]), Some(PathBuf::from("there")));
+        assert_eq!(written(&["--rounds", "4", "--output", "there"]), None);
+        assert_eq!(written(&["--small"]), None);
+        assert_eq!(written(&["--small", "--rounds", "1", "--output", "there"]), Some(PathBuf::from("there")));
+    }
 }

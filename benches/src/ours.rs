@@ -85,6 +85,7 @@ fn pairs(options: &Options) -> Vec<Pair> {
             pairs.push(Pair { what, work: soft, particles, threads: None, tasks });
         }
     }
+    pairs.retain(|pair| pair.tasks.iter().all(|task| options.threads().contains(&task.threads)));
     pairs
 }
 
@@ -92,7 +93,7 @@ fn compare(options: &Options, pair: &Pair) -> Result<Relative, Failure> {
     let seconds_a_step = |task: &Task| -> Result<f64, Failure> { Ok(task.perform()?.seconds[0] / task.steps as f64) };
     let mut tasks = Vec::new();
     for task in &pair.tasks {
-        let first = pair.work.first_steps;
+        let first = options.first_steps(pair.work);
         let steps = steps_for(options.seconds, first, |steps| Ok(task.with_steps(steps).perform()?.seconds[0]))?;
         tasks.push(task.with_steps(steps));
     }

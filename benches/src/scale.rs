@@ -65,7 +65,7 @@ impl Scale {
 pub fn measure(options: &Options, machine: &Machine) -> Result<Scale, Failure> {
     let decades = if options.small { 3..=4 } else { 3..=7 };
     let mut sizes: Vec<Size> = Vec::new();
-    for threads in [1, 2] {
+    for &threads in options.threads() {
         let mut last: Option<Size> = None;
         for decade in decades.clone() {
             let particles = 10u64.pow(decade);

@@ -32,7 +32,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         if let Some(lammps) = &lammps {
             results.agreed(agreement::check(options, work, lammps, &machine.date)?);
         }
-        for threads in [1, 2] {
+        for &threads in options.threads() {
             results.compared(compare(options, work, threads, lammps.as_ref(), &machine)?);
         }
         write(&results)?;

@@ -57,6 +57,8 @@ pub struct Work {
     pub first_steps: u64,
     /// Steps along which temperature and pressure are sampled.
     pub sampled: u64,
+    /// Steps in which the kinetic temperature forgets itself: 1/(2ΓΔt) with Γ = γρ (4π/3) r_c³/30.
+    pub relaxation: u64,
     /// Our integrators to be timed.
     pub schemes: &'static [Scheme],
     /// How two threads are used.
@@ -75,11 +77,12 @@ pub const WORKS: [Work; 4] = [
         warm_up: 300,
         first_steps: 10,
         sampled: 600,
+        relaxation: 13,
         schemes: &[Scheme::VelocityVerlet, Scheme::Aboba],
         split: Split::Bricks,
     },
-    ideal("ideal-16", "ideal fluid, n = 16, kT = 0.1, γ = 5, Δt = 10⁻⁴", &[("rho", "16")], IDEAL_SMALL_16),
-    ideal("ideal-32", "ideal fluid, n = 32, kT = 0.1, γ = 5, Δt = 10⁻⁴", &[("rho", "32")], IDEAL_SMALL_32),
+    ideal("ideal-16", "ideal fluid, n = 16, kT = 0.1, γ = 5, Δt = 10⁻⁴", &[("rho", "16")], IDEAL_SMALL_16, 450),
+    ideal("ideal-32", "ideal fluid, n = 32, kT = 0.1, γ = 5, Δt = 10⁻⁴", &[("rho", "32")], IDEAL_SMALL_32, 225),
     Work {
         name: "lj-dpd",
         title: "Lennard-Jones liquid with a pair thermostat, ρ = 0.85, γ = 4.5, Δt = 0.01",
@@ -90,6 +93,7 @@ pub const WORKS: [Work; 4] = [
         warm_up: 2000,
         first_steps: 200,
         sampled: 20_000,
+        relaxation: 6,
         schemes: &[Scheme::Aboba],
         split: Split::Replicas,
     },
@@ -103,6 +107,7 @@ const fn ideal(
     title: &'static str,
     lammps_variables: &'static [(&'static str, &'static str)],
     lammps_small: &'static [(&'static str, &'static str)],
+    relaxation: u64,
 ) -> Work {
     Work {
         name,
@@ -114,6 +119,7 @@ const fn ideal(
         warm_up: 50,
         first_steps: 10,
         sampled: 1000,
+        relaxation,
         schemes: &[Scheme::VelocityVerlet],
         split: Split::Bricks,
     }
