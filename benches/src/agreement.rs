@@ -1,9 +1,15 @@
 //! Whether both programs do the same physics: kinetic temperature and pressure at the same settings.
 //!
 //! Velocity Verlet is the same algorithm in both: LAMMPS evaluates its pair forces with the velocities of the half step, which is
-//! Groot and Warren's prediction with λ = ½. There the two must agree within a percent and four standard errors. ABOBA has
-//! another error of order Δt² than LAMMPS' scheme, of which the larger part is LAMMPS' (its temperature is 1.4 % too high for
-//! Groot and Warren's fluid at Δt = 0.02), so three percent are allowed.
+//! Groot and Warren's prediction with λ = ½. There the two must agree within a percent and four standard errors. (With 3000
+//! particles of Groot and Warren's fluid: temperature 1.0112(12) here, 1.0118(16) there.)
+//!
+//! LAMMPS' virial also holds friction and noise. The noise averages out, in the ideal fluid only over very long runs. Friction, taken with
+//! the positions at the end of the step and the velocities of its middle, leaves −γΔt kT/(3V) Σ_pairs ∇²W with W' = r ω(r): of
+//! first order in Δt, 0.050 for Groot and Warren's fluid, which is all of the 0.05 by which its pressure is above ours.
+//!
+//! ABOBA and LAMMPS' scheme have different errors of order Δt²: their kinetic temperatures are 1.009 and 1.012 for Groot and
+//! Warren's fluid, 1.009 and 0.998 for the Lennard-Jones liquid. Three percent are allowed there.
 
 use crate::failure::Failure;
 use crate::lammps::{Lammps, Run, Variant};
@@ -13,6 +19,10 @@ use crate::work::{Scheme, Work};
 use mesoflux_analysis::{Blocking, Estimate};
 use serde::{Deserialize, Serialize};
 
+/// Relative difference that is allowed between the same scheme in both programs.
+const SAME_SCHEME: f64 = 0.01;
+/// The same between schemes with different errors of order Δt².
+const OTHER_SCHEME: f64 = 0.03;
 /// Standard errors that two results may be apart on top of what the schemes may differ by.
 const STANDARD_ERRORS: f64 = 4.0;
 
@@ -77,7 +87,10 @@ pub fn check(options: &Options, work: &Work, lammps: &Lammps, date: &str) -> Res
         // a single moment has the variance 2T²/(3N), and the mean at least 2τ/t of it.
         let remembered = (2.0 * work.relaxation as f64 / sampled as f64).min(1.0);
         let stray = input.dynamics.temperature * (remembered * 2.0 / (3.0 * particles)).sqrt();
-        let relative = if scheme == Scheme::VelocityVerlet { 0.01 } else { 0.03 };
+        let relative = match scheme {
+            Scheme::VelocityVerlet => SAME_SCHEME,
+            Scheme::Aboba => OTHER_SCHEME,
+        };
         for (component, quantity) in ["temperature", "pressure"].into_iter().enumerate() {
             let least = if quantity == "pressure" { stray * particles / volume } else { stray };
             let (value, standard_error) = mean(&ours.samples, component, least);
