@@ -63,7 +63,7 @@ impl Scale {
 
 /// Times every size on one thread and on two.
 pub fn measure(options: &Options, machine: &Machine) -> Result<Scale, Failure> {
-    let decades = if options.small { 3..=4 } else { 3..=7 };
+    let decades = if options.small { 2..=3 } else { 3..=7 };
     let mut sizes: Vec<Size> = Vec::new();
     for &threads in options.threads() {
         let mut last: Option<Size> = None;
@@ -91,7 +91,7 @@ fn one_size(options: &Options, threads: usize, particles: u64, last: Option<&Siz
     let mut task = options.task(&WORKS[0], Scheme::VelocityVerlet);
     task.settings.retain(|setting| !setting.starts_with("system."));
     task.settings.push(format!("system.particles={particles}"));
-    let task = Task { threads, warm_up: WARM_UP, ..task };
+    let task = Task { threads, warm_up: options.warm_up(WARM_UP), ..task };
     let steps = match last {
         // What the next smaller system took foretells this one: no trial, which would cost a warm-up.
         Some(last) => {
