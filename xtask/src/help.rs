@@ -15,6 +15,15 @@ Usage: cargo xtask TASK [OPTIONS]
       --keep-going     go on after a mutation that no test noticed (the default)
       --fail-fast      stop there instead
 
+  bench                speed beside LAMMPS on the same work, of kernels, of sizes; writes benches/
+      --work NAME...   against LAMMPS: groot-warren, ideal-16, ideal-32, lj-dpd
+      --ours           ABOBA and velocity Verlet, Norton and NEMD, one thread and two
+      --kernels        time a pair of each kernel, and what a step is made of
+      --scale          from 10^3 to 10^7 particles
+      --rounds N       how often everything is timed in turn (5; fewer are shown, not written)
+      --seconds S      how long one timing takes (4)
+      --lammps PATH    its executable, or none; else MESOFLUX_LAMMPS, else `lmp` on the path
+
   help                 this page
 
 Mutations are the files tests/mutations/NAME.patch; tests/mutations/README.md says how to add one.
@@ -23,7 +32,7 @@ read or written; otherwise the code of the step that failed.
 ";
 
 /// The names of the tasks.
-pub const TASKS: [&str; 3] = ["test", "mutate", "help"];
+pub const TASKS: [&str; 4] = ["test", "mutate", "bench", "help"];
 
 /// The message for a name that does not exist, with the names that come nearest to it.
 pub fn unknown(kind: &str, given: &str, known: &[&str]) -> String {
@@ -78,7 +87,7 @@ mod tests {
     fn a_mistyped_task_is_answered_with_the_nearest() {
         assert_eq!(unknown("task", "mutte", &TASKS), "no task `mutte`; did you mean mutate?");
         assert_eq!(unknown("task", "mut", &TASKS), "no task `mut`; did you mean mutate?");
-        assert_eq!(unknown("task", "paint", &TASKS), "no task `paint`; there are: test, mutate, help");
+        assert_eq!(unknown("task", "paint", &TASKS), "no task `paint`; there are: test, mutate, bench, help");
     }
 
     #[test]

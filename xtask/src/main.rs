@@ -3,6 +3,7 @@
 use std::env;
 use std::process::ExitCode;
 
+mod bench;
 mod failure;
 mod help;
 mod mutate;
@@ -37,6 +38,7 @@ fn dispatch(arguments: &[String]) -> Result<(), Failure> {
     }
     match task.as_str() {
         "test" => test::run(&Workspace::find()?, rest),
+        "bench" => bench::run(&Workspace::find()?, rest),
         "mutate" => mutate::run(&Workspace::find()?, rest),
         "help" | "--help" | "-h" => {
             print!("{}", help::TEXT);

@@ -6,7 +6,7 @@
 //! the number that a pair receives depends on neither threads nor the order of pairs nor the age of a list.
 
 use crate::elementary::{ln, sin_half_pi, sqrt};
-use crate::lanes::{BlockNumbers, Lanes, Real, Twice, Words};
+use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Real, Twice, WIDTH, Words};
 use serde::{Deserialize, Serialize};
 
 /// Rounds of the bijection.
@@ -125,6 +125,44 @@ impl Draw {
     }
 }
 
+/// The normal deviates of many unordered pairs of ids at once: the numbers that `Draw::pair_gaussian` gives one by one.
+pub fn pair_gaussians(draw: Draw, pairs: &[[u64; 2]], gaussians: &mut Vec<f64>) {
+    gaussians.clear();
+    gaussians.resize(pairs.len(), 0.0);
+    InstructionSet::detect().run(PairGaussians { draw, pairs, gaussians });
+}
+
+/// The work of `pair_gaussians`.
+struct PairGaussians<'a> {
+    draw: Draw,
+    pairs: &'a [[u64; 2]],
+    gaussians: &'a mut [f64],
+}
+
+impl Kernel for PairGaussians<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (mut ids, mut normals) = ([BlockNumbers::default(); 2], PairNormals::default());
+        let mut block = BlockNumbers::default();
+        for (pairs, gaussians) in self.pairs.chunks(WIDTH * WIDTH).zip(self.gaussians.chunks_mut(WIDTH * WIDTH)) {
+            for (k, pair) in pairs.iter().enumerate() {
+                for member in 0..2 {
+                    ids[member][k / WIDTH][k % WIDTH] = f64::from_bits(pair[member]);
+                }
+            }
+            self.draw.pair_noise::<L>(WIDTH, &ids, &mut normals);
+            for s in 0..WIDTH {
+                normals.of_variance(s, L::splat(1.0)).store(&mut block[s]);
+            }
+            for (k, gaussian) in gaussians.iter_mut().enumerate() {
+                *gaussian = block[k / WIDTH][k % WIDTH];
+            }
+        }
+    }
+}
+
 /// The parts of normal deviates of one block of pairs.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct PairNormals {
@@ -205,6 +243,19 @@ mod tests {
         for (order, moment, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
             let z = (power_sums[order] / n as f64 - moment) / (variance / n as f64).sqrt();
             assert!(z.abs() < 4.0, "moment {order}: z = {z}");
+        }
+    }
+
+    #[test]
+    fn many_pairs_at_once_draw_what_each_draws_alone() {
+        let draw = NoiseKey::new(&[9]).draw(Purpose::Pair, 3, 1);
+        let pairs: Vec<[u64; 2]> = (0..1000u64).map(|k| [k * k + (k << 33), 7 * k + 1]).collect();
+        let expected: Vec<u64> = pairs.iter().map(|&[i, j]| draw.pair_gaussian(i, j).to_bits()).collect();
+        for set in InstructionSet::available() {
+            let mut gaussians = vec![0.0; pairs.len()];
+            set.run(PairGaussians { draw, pairs: &pairs, gaussians: &mut gaussians });
+            let found: Vec<u64> = gaussians.iter().map(|gaussian| gaussian.to_bits()).collect();
+            assert_eq!(found, expected, "{set:?}");
         }
     }
 
