@@ -1,7 +1,6 @@
 //! One call of each kernel on a fluid at equilibrium.
 
 use mesoflux_core::domain::Workers;
-use mesoflux_core::interactions::Kind;
 use mesoflux_core::lanes::Row;
 use mesoflux_core::neighbors::NeighborList;
 use mesoflux_core::noise::{NoiseKey, Purpose, pair_gaussians};
@@ -17,7 +16,7 @@ pub enum Kernel {
     Contacts,
     /// Conservative forces.
     ConservativeForces,
-    /// Conservative, dissipative and random forces in one pass.
+    /// Finding the pairs, and conservative, dissipative and random forces in one pass.
     FusedForces,
     /// The thermostat's sweep.
     Sweep,
@@ -36,15 +35,12 @@ impl Kernel {
             Self::List => "sorting the particles",
             Self::Contacts => "finding contacts",
             Self::ConservativeForces => "conservative forces",
-            Self::FusedForces => "all forces with noise",
+            Self::FusedForces => "contacts and all forces with noise",
             Self::Sweep => "thermostat's sweep",
             Self::Noise => "pair noise alone",
         }
     }
 }
-
-/// All pairs of these fluids are of one kind.
-const NO_KINDS: Option<fn(u32, u32) -> Kind> = None;
 
 /// A fluid at equilibrium and room for what the kernels yield.
 pub struct Bench {
@@ -79,7 +75,7 @@ impl Bench {
 
     /// Brings the contacts up to date with the list, as all kernels but the first two expect them.
     pub fn prepare(&mut self) {
-        self.list.update_contacts(&self.system.particles, NO_KINDS, Workers::One);
+        self.list.update_contacts(&self.system.particles, None, Workers::One);
     }
 
     /// Runs a kernel once over all pairs. The thermostat's sweep leaves its velocities behind, nothing else changes the state.
@@ -90,12 +86,21 @@ impl Bench {
         let (interactions, workers) = (&system.interactions, Workers::One);
         let (temperature, time_step) = (1.0, 0.01);
         match kernel {
-            Kernel::List => list.build(&mut system.particles, workers),
-            Kernel::Contacts => list.update_contacts(&system.particles, NO_KINDS, workers),
+            Kernel::List => list.build(&mut system.particles, None, workers),
+            Kernel::Contacts => list.update_contacts(&system.particles, None, workers),
             Kernel::ConservativeForces => conservative_forces(list, interactions, force, workers),
             Kernel::FusedForces => {
                 let noise = PairNoise { temperature, time_step, draw };
-                velocity_dependent_forces(list, interactions, velocity, &noise, force, workers);
+                velocity_dependent_forces(
+                    list,
+                    interactions,
+                    &system.particles,
+                    None,
+                    velocity,
+                    &noise,
+                    force,
+                    workers,
+                );
             }
             Kernel::Sweep => {
                 let backward = self.calls % 2 == 1;

@@ -174,9 +174,7 @@ impl Run {
         let lists_per_step = self.lists as f64 / self.steps as f64;
         let step = median(&self.seconds);
         let calls: &[(Kernel, f64)] = match self.scheme {
-            Scheme::VelocityVerlet => {
-                &[(Kernel::List, lists_per_step), (Kernel::Contacts, 1.0), (Kernel::FusedForces, 1.0)]
-            }
+            Scheme::VelocityVerlet => &[(Kernel::List, lists_per_step), (Kernel::FusedForces, 1.0)],
             Scheme::Aboba => &[
                 (Kernel::List, lists_per_step),
                 (Kernel::Contacts, 1.0),

@@ -110,8 +110,10 @@ impl Simulation {
                 let backward = schedule.backward(self.system.step);
                 for (place, (letter, share)) in schedule.entries().iter().enumerate() {
                     let time = share * self.time_step;
-                    let response = self.driving.as_mut().and_then(|driving| driving.response(&self.system));
-                    let stroke = Stroke { time, place: place as u64, noise: self.noise, backward, response };
+                    let constraint = self.driving.as_mut().and_then(|driving| driving.constraint(&self.system));
+                    let response = constraint.map(|constraint| constraint.response);
+                    let stroke =
+                        Stroke { time, place: place as u64, noise: self.noise, backward, response, constraint };
                     let change = letter.apply(&mut self.system, &stroke)?;
                     if let Some(driving) = &mut self.driving {
                         driving.after_letter(&mut self.system, letter.symbol(), time, change);

@@ -3,14 +3,15 @@
 use crate::bond::{Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
+use crate::integrate::Constraint;
 use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
-use crate::neighbors::{NeighborError, NeighborList};
+use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
 use crate::pair::{
     PairNoise, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_sums, velocity_dependent_forces,
 };
 use crate::state::Particles;
-use crate::vector::{Vector, dot};
+use crate::vector::{Vector, add_scaled, dot};
 
 /// A simulation that failed numerically.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -53,6 +54,19 @@ pub enum SimulationError {
         /// The length that it must not reach.
         longest: f64,
     },
+}
+
+/// The kind of the pair of particles in two places: by their species, and by what bonds between them exclude.
+fn kind_of_pair<'a>(
+    interactions: &'a Interactions,
+    topology: &'a Topology,
+) -> impl Fn(&Particles, u32, u32) -> Kind + Sync + 'a {
+    let kinds = interactions.potentials.kinds();
+    move |particles, first, second| {
+        let (i, j) = (first as usize, second as usize);
+        let kind = PairTable::<()>::kind(particles.species[i], particles.species[j]);
+        topology.exclusion(particles.id[i], particles.id[j]).kind(kind, kinds)
+    }
 }
 
 /// Particles, their box and their interactions.
@@ -156,7 +170,10 @@ impl System {
 
     /// Sorts the particles anew.
     pub(crate) fn rebuild(&mut self) {
-        self.list.build(&mut self.particles, self.workers);
+        let kinds = kind_of_pair(&self.interactions, &self.topology);
+        let kind: Option<&KindOfPair> = if self.interactions.single_kind() { None } else { Some(&kinds) };
+        self.list.build(&mut self.particles, kind, self.workers);
+        drop(kinds);
         self.topology.follow(&self.particles.id);
         self.contacts_current = false;
         self.forces_current = false;
@@ -189,14 +206,9 @@ impl System {
 
     fn update_contacts(&mut self) {
         if !self.contacts_current {
-            let (interactions, particles, topology) = (&self.interactions, &self.particles, &self.topology);
-            let kinds = interactions.potentials.kinds();
-            let kind = |first: u32, second: u32| -> Kind {
-                let (i, j) = (first as usize, second as usize);
-                let kind = PairTable::<()>::kind(particles.species[i], particles.species[j]);
-                topology.exclusion(particles.id[i], particles.id[j]).kind(kind, kinds)
-            };
-            self.list.update_contacts(particles, (!interactions.single_kind()).then_some(kind), self.workers);
+            let kind = kind_of_pair(&self.interactions, &self.topology);
+            let kind: Option<&KindOfPair> = if self.interactions.single_kind() { None } else { Some(&kind) };
+            self.list.update_contacts(&self.particles, kind, self.workers);
             self.contacts_current = true;
         }
     }
@@ -225,17 +237,18 @@ impl System {
 
     /// Conservative, dissipative and random forces at the present positions and the given velocities, in storage order.
     pub(crate) fn velocity_dependent_forces(&mut self, velocity: &[Row], noise: &PairNoise) -> &[Row] {
-        self.update_contacts();
         self.forces_current = false;
         self.force.resize(self.particles.count(), Row::default());
-        let (particles, force) = (&self.particles, &mut self.force);
-        velocity_dependent_forces(&self.list, &self.interactions, velocity, noise, force, self.workers);
-        self.topology.add_forces(particles, &self.region, force, self.workers);
+        let Self { particles, interactions, topology, list, force, workers, .. } = self;
+        let kinds = kind_of_pair(interactions, topology);
+        let kind: Option<&KindOfPair> = if interactions.single_kind() { None } else { Some(&kinds) };
+        velocity_dependent_forces(list, interactions, particles, kind, velocity, noise, force, *workers);
+        topology.add_forces(particles, &self.region, force, *workers);
         force
     }
 
-    /// Lets the pair thermostat sweep once over all pairs; returns the expected change of the flux.
-    pub(crate) fn sweep(&mut self, sweep: &Sweep) -> f64 {
+    /// Lets the pair thermostat sweep once over all pairs; returns the expected change of the flux, and ξ.
+    pub(crate) fn sweep(&mut self, sweep: &Sweep, constraint: Option<&Constraint>) -> (f64, Option<f64>) {
         self.update_contacts();
         let Self { particles, velocity, workers, .. } = self;
         velocity.resize(particles.count(), Row::default());
@@ -245,14 +258,35 @@ impl System {
             }
         });
         let expected = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
-        let inverse_mass = &particles.inverse_mass;
-        workers.for_each_chunk(&mut particles.momentum, |offset, momenta| {
+        let multiplier = self.set_momenta(constraint, |system, k, _| {
+            let (velocity, inverse_mass) = (system.velocity[k].vector(), system.particles.inverse_mass[k]);
+            velocity.map(|v| v / inverse_mass)
+        });
+        (expected, multiplier)
+    }
+
+    /// Gives every particle a new momentum, which may follow from its old one, on the constraint if there is one: p = p' + ξF with ξ = (r − G·p')/(F·G) (Wu & Shang,
+    /// eqs 45, 50); returns ξ. The flux is summed before anything is written, so that momenta are written once.
+    pub(crate) fn set_momenta(
+        &mut self,
+        constraint: Option<&Constraint>,
+        new: impl Fn(&Self, usize, Vector) -> Vector + Sync,
+    ) -> Option<f64> {
+        let (workers, count) = (self.workers, self.particles.count());
+        let mut momenta = std::mem::take(&mut self.particles.momentum);
+        let multiplier = constraint.map(|Constraint { response, control, flux, .. }| {
+            (flux - workers.sum(count, |k| dot(response[k].vector(), new(self, k, momenta[k])))) / control
+        });
+        workers.for_each_chunk(&mut momenta, |offset, momenta| {
             for (k, momentum) in momenta.iter_mut().enumerate() {
-                let (velocity, inverse_mass) = (velocity[offset + k].vector(), inverse_mass[offset + k]);
-                *momentum = velocity.map(|v| v / inverse_mass);
+                *momentum = new(self, offset + k, *momentum);
+                if let (Some(multiplier), Some(constraint)) = (multiplier, constraint) {
+                    add_scaled(momentum, multiplier, constraint.force[offset + k]);
+                }
             }
         });
-        expected
+        self.particles.momentum = momenta;
+        multiplier
     }
 
     /// Potential energy, virial and Laplacian of pairs and bonds at the present positions.

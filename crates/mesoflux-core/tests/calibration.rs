@@ -8,7 +8,7 @@ use mesoflux_analysis::{Blocking, Estimate};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::observable::Thermodynamics;
 
-const RUNS: u64 = 1200;
+const RUNS: u64 = 600;
 
 /// Kinetic temperature and pressure of one short run of a soft fluid, sampled at every step.
 fn short_run(seed: u64, run: u64) -> Blocking {
@@ -17,7 +17,7 @@ fn short_run(seed: u64, run: u64) -> Blocking {
     let mut simulation = fluid.simulation("ABOBA", None, noise, 0.05);
     advance(&mut simulation, 3.0);
     let mut series = Blocking::new(2).unwrap();
-    for _ in 0..512 {
+    for _ in 0..1024 {
         simulation.step().unwrap();
         let now = Thermodynamics::of(&mut simulation.system);
         series.record(&[now.kinetic_temperature, now.pressure]).unwrap();

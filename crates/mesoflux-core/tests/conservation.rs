@@ -106,7 +106,14 @@ fn every_letter_conserves_the_angular_momentum_of_a_cluster() {
     for step in 0..2000 {
         for (place, letter) in letters.into_iter().enumerate() {
             let before = angular_momentum(&system);
-            let stroke = Stroke { time: 0.005, place: place as u64, noise, backward: step % 2 == 1, response: None };
+            let stroke = Stroke {
+                time: 0.005,
+                place: place as u64,
+                noise,
+                backward: step % 2 == 1,
+                response: None,
+                constraint: None,
+            };
             let momenta = system.particles.momentum.clone();
             letter.apply(&mut system, &stroke).unwrap();
             assert!(letter.symbol() == 'A' || momenta != system.particles.momentum, "the letter did nothing");

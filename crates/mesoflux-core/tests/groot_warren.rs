@@ -66,9 +66,10 @@ fn step_with_noise_work(system: &mut System, schedule: &Schedule, noise: NoiseKe
             place: place as u64,
             noise,
             backward: schedule.backward(system.step),
+            constraint: None,
             response: (letter.symbol() == 'O').then_some(&rows),
         };
-        if let FluxChange::Expected(expected) = letter.apply(system, &stroke).unwrap() {
+        if let FluxChange::Expected(expected) = letter.apply(system, &stroke).unwrap().flux {
             work += product(system) - before - expected;
         }
     }

@@ -11,7 +11,7 @@ use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
 use mesoflux_core::forcing::{ForcingField, ForcingKind};
 use mesoflux_core::friction::Friction;
-use mesoflux_core::integrate::{FluxChange, Integrator, Schedule, Stroke};
+use mesoflux_core::integrate::{Change, FluxChange, Integrator, Schedule, Stroke};
 use mesoflux_core::noise::{NoiseKey, Purpose};
 use mesoflux_core::potential::Potential;
 use mesoflux_core::potential::harmonic::Harmonic;
@@ -135,10 +135,12 @@ fn orders(
     for (place, (letter, share)) in schedule.entries().iter().enumerate() {
         let order = sweep_order(&mut system, backward);
         orders.push(if letter.symbol() == 'O' { order } else { Vec::new() });
-        let stroke = Stroke { time: share * dt, place: place as u64, noise, backward, response: None };
+        let stroke =
+            Stroke { time: share * dt, place: place as u64, noise, backward, response: None, constraint: None };
         letter.apply(&mut system, &stroke).unwrap();
         if let Some(driving) = &mut driving {
-            driving.after_letter(&mut system, letter.symbol(), stroke.time, FluxChange::Determined);
+            let change = Change { flux: FluxChange::Determined, multiplier: None };
+            driving.after_letter(&mut system, letter.symbol(), stroke.time, change);
         }
     }
     orders

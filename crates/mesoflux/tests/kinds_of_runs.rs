@@ -70,7 +70,8 @@ fn an_ideal_fluid_without_a_potential() {
 
 #[test]
 fn every_start_and_sweep_order() {
-    let folder = Folder::with(FLUID);
+    // A random start of soft particles is hot until the thermostat has taken away what their overlaps set free.
+    let folder = Folder::with(&FLUID.replace("equilibration_time = 0.2", "equilibration_time = 5.0"));
     for start in ["cubic_lattice", "fcc_lattice", "random"] {
         for order in ["alternating", "forward"] {
             let settings = format!("--force --set system.start={start} --set dynamics.sweep={order}");

@@ -2,14 +2,13 @@
 //!
 //! Every global sum and every parallel loop of the engine goes through here; no physics file knows how many workers there are.
 
-mod exact_sum;
-
-pub use exact_sum::ExactSum;
-
 use rayon::prelude::*;
 
 /// Particles a worker takes at a time in a loop over particles.
 const CHUNK: usize = 2048;
+
+/// Sums that are built side by side, so that no addition waits for the one before.
+const STREAMS: usize = 8;
 
 /// How the loops of one simulation are spread over threads. The result of a loop never depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -54,23 +53,41 @@ impl Workers {
         }
     }
 
-    /// The sum of `term(k)` over 0 ≤ k < `count`, independent of the order of its terms.
-    pub fn sum(self, count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let part = |range: std::ops::Range<usize>| {
-            let mut sum = ExactSum::default();
-            range.for_each(|k| sum.add(term(k)));
-            sum
-        };
+    /// Calls `work(scratch, item)` for every item, large pieces of work each; `scratch` is made anew for each thread's share.
+    pub fn for_each_with<T: Sync, S: Send>(
+        self,
+        items: &[T],
+        scratch: impl Fn() -> S + Sync + Send,
+        work: impl Fn(&mut S, &T) + Sync + Send,
+    ) {
         match self {
-            Self::One => part(0..count).value(),
-            Self::Pool => (0..count.div_ceil(CHUNK))
-                .into_par_iter()
-                .map(|k| part(k * CHUNK..((k + 1) * CHUNK).min(count)))
-                .reduce(ExactSum::default, |mut a, b| {
-                    a.merge(&b);
-                    a
-                })
-                .value(),
+            Self::One => {
+                let mut scratch = scratch();
+                items.iter().for_each(|item| work(&mut scratch, item));
+            }
+            Self::Pool => items.par_iter().for_each_init(scratch, work),
+        }
+    }
+
+    /// The sum of `term(k)` over 0 ≤ k < `count`, to the same bits for any number of threads: the terms are added in a tree that
+    /// follows from `count` alone, eight streams in each chunk, then the chunks in their order.
+    pub fn sum(self, count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let chunk = |number: usize| {
+            let range = number * CHUNK..((number + 1) * CHUNK).min(count);
+            let mut streams = [0.0; STREAMS];
+            let full = range.len() / STREAMS * STREAMS;
+            for k in (range.start..range.start + full).step_by(STREAMS) {
+                for (stream, sum) in streams.iter_mut().enumerate() {
+                    *sum += term(k + stream);
+                }
+            }
+            let rest: f64 = (range.start + full..range.end).map(&term).sum();
+            streams.iter().sum::<f64>() + rest
+        };
+        let chunks = count.div_ceil(CHUNK);
+        match self {
+            Self::One => (0..chunks).map(chunk).sum(),
+            Self::Pool => (0..chunks).into_par_iter().map(chunk).collect::<Vec<f64>>().iter().sum(),
         }
     }
 
@@ -87,6 +104,26 @@ impl Workers {
                 .into_par_iter()
                 .map(|k| part(k * CHUNK..((k + 1) * CHUNK).min(count)))
                 .reduce(|| [0.0; 2], |a, b| include(include(a, b[0]), b[1])),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_have_the_same_bits_for_any_number_of_threads_and_are_right() {
+        for count in [0, 1, 7, 8, 9, 2047, 2048, 2049, 10_000] {
+            let term = |k: usize| ((k * 7919 + 13) % 1000) as f64 / 7.0 - 70.0;
+            let one = Workers::One.sum(count, term);
+            let exact =
+                (0..count).map(|k| ((k * 7919 + 13) % 1000) as i64).sum::<i64>() as f64 / 7.0 - 70.0 * count as f64;
+            assert!((one - exact).abs() <= 1e-12 * (1.0 + 70.0 * count as f64), "{count}: {one} for {exact}");
+            for threads in [1, 2, 3, 7] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                assert_eq!(pool.install(|| Workers::Pool.sum(count, term)).to_bits(), one.to_bits());
+            }
         }
     }
 }

@@ -2,8 +2,7 @@
 
 use super::{DrivenStep, Driving};
 use crate::forcing::{Forcing, ForcingError, ForcingField};
-use crate::integrate::FluxChange;
-use crate::lanes::Row;
+use crate::integrate::{Change, Constraint, FluxChange};
 use crate::pair::dissipative_flux;
 use crate::system::System;
 use crate::vector::{add_scaled, dot};
@@ -52,14 +51,19 @@ impl Driving for ConstantFlux {
         Ok(())
     }
 
-    fn response(&mut self, system: &System) -> Option<&[Row]> {
+    fn constraint(&mut self, system: &System) -> Option<Constraint<'_>> {
         self.field.update(&system.particles, system.layout(), false, system.workers);
-        Some(&self.field.response)
+        let ForcingField { force, response, control, .. } = &self.field;
+        Some(Constraint { force, response, control: *control, flux: self.flux })
     }
 
-    fn after_letter(&mut self, system: &mut System, symbol: char, _time: f64, change: FluxChange) {
-        let multiplier = self.project(system, symbol == 'A');
-        self.booked += match change {
+    fn after_letter(&mut self, system: &mut System, symbol: char, _time: f64, change: Change) {
+        // Free flight changes no momentum: where G doesn't depend on positions, nor the flux.
+        if symbol == 'A' && !self.field.forcing().depends_on_positions() {
+            return;
+        }
+        let multiplier = change.multiplier.unwrap_or_else(|| self.project(system, symbol == 'A'));
+        self.booked += match change.flux {
             FluxChange::Determined => multiplier,
             // The noise moves the flux by a martingale, whose part of the multiplier averages to nothing: eq. 63 leaves it out.
             FluxChange::Expected(expected) => -expected / self.field.control,

@@ -2,8 +2,7 @@
 
 use super::{DrivenStep, Driving};
 use crate::forcing::{Forcing, ForcingError, ForcingField};
-use crate::integrate::FluxChange;
-use crate::lanes::Row;
+use crate::integrate::{Change, Constraint};
 use crate::system::System;
 use crate::vector::add_scaled;
 
@@ -28,11 +27,11 @@ impl Driving for ConstantForce {
         Ok(())
     }
 
-    fn response(&mut self, _system: &System) -> Option<&[Row]> {
+    fn constraint(&mut self, _system: &System) -> Option<Constraint<'_>> {
         None
     }
 
-    fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, _change: FluxChange) {
+    fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, _change: Change) {
         if symbol == 'B' {
             self.field.update(&system.particles, system.layout(), true, system.workers);
             let (field, impulse) = (&self.field, time * self.magnitude);

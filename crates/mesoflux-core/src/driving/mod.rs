@@ -7,8 +7,7 @@ pub use constant_flux::ConstantFlux;
 pub use constant_force::ConstantForce;
 
 use crate::forcing::ForcingError;
-use crate::integrate::FluxChange;
-use crate::lanes::Row;
+use crate::integrate::{Change, Constraint};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 
@@ -20,11 +19,12 @@ pub trait Driving: std::fmt::Debug + Send + Sync {
     /// A forcing that cannot do what the driving needs.
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError>;
 
-    /// G in storage order, where letters must tell their expected change of the flux G·p; for `system` before the letter.
-    fn response(&mut self, system: &System) -> Option<&[Row]>;
+    /// The fixed flux, where there is one: letters must tell their expected change of it, and may restore it; for `system` before
+    /// the letter.
+    fn constraint(&mut self, system: &System) -> Option<Constraint<'_>>;
 
-    /// Acts after the letter `symbol`, which took `time` and changed the flux as told.
-    fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, change: FluxChange);
+    /// Acts after the letter `symbol`, which took `time` and did as told.
+    fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, change: Change);
 
     /// What one whole step brought; called at its end.
     fn end_step(&mut self, system: &System, time_step: f64) -> DrivenStep;

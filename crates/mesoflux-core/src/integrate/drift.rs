@@ -1,6 +1,6 @@
 //! A: free flight.
 
-use super::{FluxChange, Letter, Stroke};
+use super::{Change, FluxChange, Letter, Stroke};
 use crate::system::{SimulationError, System};
 use crate::vector::add_scaled;
 
@@ -13,7 +13,7 @@ impl Letter for Drift {
         'A'
     }
 
-    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError> {
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError> {
         let particles = &mut system.particles;
         let (momentum, inverse_mass) = (&particles.momentum, &particles.inverse_mass);
         system.workers.for_each_chunk(&mut particles.position, |offset, positions| {
@@ -22,6 +22,6 @@ impl Letter for Drift {
             }
         });
         system.positions_moved()?;
-        Ok(FluxChange::Determined)
+        Ok(Change { flux: FluxChange::Determined, multiplier: None })
     }
 }

@@ -1,6 +1,6 @@
 //! B: the impulse of the conservative forces.
 
-use super::{FluxChange, Letter, Stroke};
+use super::{Change, FluxChange, Letter, Stroke};
 use crate::system::{SimulationError, System};
 use crate::vector::add_scaled;
 
@@ -13,17 +13,12 @@ impl Letter for Kick {
         'B'
     }
 
-    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError> {
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError> {
         system.update_forces();
-        let workers = system.workers;
-        let mut momenta = std::mem::take(&mut system.particles.momentum);
-        let force = system.forces();
-        workers.for_each_chunk(&mut momenta, |offset, momenta| {
-            for (k, momentum) in momenta.iter_mut().enumerate() {
-                add_scaled(momentum, stroke.time, force[offset + k].vector());
-            }
+        let multiplier = system.set_momenta(stroke.constraint.as_ref(), |system, k, mut momentum| {
+            add_scaled(&mut momentum, stroke.time, system.forces()[k].vector());
+            momentum
         });
-        system.particles.momentum = momenta;
-        Ok(FluxChange::Determined)
+        Ok(Change { flux: FluxChange::Determined, multiplier })
     }
 }

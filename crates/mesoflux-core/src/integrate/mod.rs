@@ -15,6 +15,7 @@ pub use velocity_verlet::VelocityVerlet;
 use crate::lanes::Row;
 use crate::noise::NoiseKey;
 use crate::system::{SimulationError, System};
+use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
 
 /// What a letter is told: how long it acts, and whence its noise.
@@ -30,6 +31,30 @@ pub struct Stroke<'a> {
     pub backward: bool,
     /// G of every particle in storage order, where a driving follows the flux G·p.
     pub response: Option<&'a [Row]>,
+    /// Where the momenta must stay on a fixed flux: a letter that changes them in one last pass may project them in it.
+    pub constraint: Option<Constraint<'a>>,
+}
+
+/// G·p = r, restored along F.
+#[derive(Debug, Clone, Copy)]
+pub struct Constraint<'a> {
+    /// F, in storage order.
+    pub force: &'a [Vector],
+    /// G, in storage order.
+    pub response: &'a [Row],
+    /// F·G.
+    pub control: f64,
+    /// r.
+    pub flux: f64,
+}
+
+/// What a letter did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// To the flux G·p, before any projection.
+    pub flux: FluxChange,
+    /// ξ, where it projected the momenta itself.
+    pub multiplier: Option<f64>,
 }
 
 /// What a letter did to the flux G·p.
@@ -49,7 +74,7 @@ pub trait Letter: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// A state that is no longer finite.
-    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError>;
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError>;
     /// Whether the letter can tell the expected part of its change of a flux; without that, constant flux is refused.
     fn tells_expected_flux(&self) -> bool {
         true

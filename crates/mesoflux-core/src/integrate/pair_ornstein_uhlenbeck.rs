@@ -1,6 +1,6 @@
 //! O: the pair thermostat, exact pair by pair.
 
-use super::{FluxChange, Letter, Stroke};
+use super::{Change, FluxChange, Letter, Stroke};
 use crate::noise::Purpose;
 use crate::pair::Sweep;
 use crate::system::{SimulationError, System};
@@ -20,7 +20,7 @@ impl Letter for PairOrnsteinUhlenbeck {
         'O'
     }
 
-    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<FluxChange, SimulationError> {
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError> {
         let sweep = Sweep {
             temperature: self.temperature,
             time: stroke.time,
@@ -28,6 +28,7 @@ impl Letter for PairOrnsteinUhlenbeck {
             backward: stroke.backward,
             response: stroke.response,
         };
-        Ok(FluxChange::Expected(system.sweep(&sweep)))
+        let (expected, multiplier) = system.sweep(&sweep, stroke.constraint.as_ref());
+        Ok(Change { flux: FluxChange::Expected(expected), multiplier })
     }
 }

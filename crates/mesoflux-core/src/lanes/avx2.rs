@@ -3,7 +3,7 @@
 //! Every function here is called only inside `InstructionSet::run` with a set that has AVX2 and FMA and was detected on the
 //! machine: that is why their instructions may be used.
 
-use super::{Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
+use super::{Candidates, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 
@@ -143,6 +143,7 @@ impl Words for Words2 {
 
 impl Lanes for Avx2 {
     type Row = RowAvx;
+    type Candidates = Candidates2;
 
     #[inline(always)]
     fn load(from: &[f64; WIDTH]) -> Self {
@@ -225,16 +226,41 @@ impl Lanes for Avx2 {
             }
         }
     }
+}
+
+/// Sixteen candidates in eight registers.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidates2 {
+    names: [__m256i; 2],
+    coordinates: [[__m256; 2]; 3],
+}
+
+impl Candidates for Candidates2 {
+    #[inline(always)]
+    fn load(names: &[u32; SEARCH_WIDTH], coordinates: [&[f32; SEARCH_WIDTH]; 3]) -> Self {
+        // SAFETY: AVX2 is there; eight words are loaded from each half of arrays of sixteen.
+        unsafe {
+            let mut candidates =
+                Self { names: [_mm256_setzero_si256(); 2], coordinates: [[_mm256_setzero_ps(); 2]; 3] };
+            for half in 0..2 {
+                candidates.names[half] = _mm256_loadu_si256(names.as_ptr().add(8 * half).cast());
+                for axis in 0..3 {
+                    candidates.coordinates[axis][half] = _mm256_loadu_ps(coordinates[axis].as_ptr().add(8 * half));
+                }
+            }
+            candidates
+        }
+    }
 
     #[inline(always)]
-    fn near(point: [f32; 3], others: [&[f32; SEARCH_WIDTH]; 3], squared: f32) -> u32 {
+    fn near(&self, point: [f32; 3], squared: f32) -> u32 {
         let mut mask = 0;
         for half in 0..2 {
-            // SAFETY: AVX2 is there; eight numbers are loaded from each half of an array of sixteen.
+            // SAFETY: AVX2 is there.
             let near = unsafe {
-                let x = _mm256_sub_ps(_mm256_set1_ps(point[0]), _mm256_loadu_ps(others[0].as_ptr().add(8 * half)));
-                let y = _mm256_sub_ps(_mm256_set1_ps(point[1]), _mm256_loadu_ps(others[1].as_ptr().add(8 * half)));
-                let z = _mm256_sub_ps(_mm256_set1_ps(point[2]), _mm256_loadu_ps(others[2].as_ptr().add(8 * half)));
+                let x = _mm256_sub_ps(_mm256_set1_ps(point[0]), self.coordinates[0][half]);
+                let y = _mm256_sub_ps(_mm256_set1_ps(point[1]), self.coordinates[1][half]);
+                let z = _mm256_sub_ps(_mm256_set1_ps(point[2]), self.coordinates[2][half]);
                 let sum = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)), _mm256_mul_ps(z, z));
                 _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(squared)))
             };
@@ -244,16 +270,16 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn compress(mask: u32, from: &[u32; SEARCH_WIDTH], to: &mut [u32; SEARCH_WIDTH]) {
+    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
         let mut count = 0;
         for half in 0..2 {
             let set = mask as usize >> (8 * half) & 0xff;
-            // SAFETY: AVX2 is there; eight words are loaded from the half and from the table, and stored to at most place
-            // eight, the count of the first half, and the seven after it.
+            // SAFETY: AVX2 is there; eight words are loaded from the table, and stored to at most place eight, the count of the
+            // first half, and the seven after it.
             unsafe {
                 let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_LANES[set].as_ptr().cast()));
-                let words = _mm256_loadu_si256(from.as_ptr().add(8 * half).cast());
-                _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), _mm256_permutevar8x32_epi32(words, order));
+                let packed = _mm256_permutevar8x32_epi32(self.names[half], order);
+                _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), packed);
             }
             count += set.count_ones() as usize;
         }

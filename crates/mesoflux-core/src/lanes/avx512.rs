@@ -4,7 +4,7 @@
 //! why its instructions may be used.
 
 use super::avx2::RowAvx;
-use super::{Lanes, Real, Row, SEARCH_WIDTH, WIDTH, Words};
+use super::{Candidates, Lanes, Real, Row, SEARCH_WIDTH, WIDTH, Words};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 
@@ -141,6 +141,7 @@ fn odd_quarters() -> __m512i {
 
 impl Lanes for Avx512 {
     type Row = RowAvx;
+    type Candidates = Candidates512;
 
     #[inline(always)]
     fn load(from: &[f64; WIDTH]) -> Self {
@@ -212,25 +213,42 @@ impl Lanes for Avx512 {
             }
         }
     }
+}
+
+/// Sixteen candidates in four registers.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidates512 {
+    names: __m512i,
+    coordinates: [__m512; 3],
+}
+
+impl Candidates for Candidates512 {
+    #[inline(always)]
+    fn load(names: &[u32; SEARCH_WIDTH], [x, y, z]: [&[f32; SEARCH_WIDTH]; 3]) -> Self {
+        // SAFETY: AVX-512 is there; sixteen words are loaded from arrays of sixteen.
+        unsafe {
+            Self {
+                names: _mm512_loadu_si512(names.as_ptr().cast()),
+                coordinates: [_mm512_loadu_ps(x.as_ptr()), _mm512_loadu_ps(y.as_ptr()), _mm512_loadu_ps(z.as_ptr())],
+            }
+        }
+    }
 
     #[inline(always)]
-    fn near(point: [f32; 3], others: [&[f32; SEARCH_WIDTH]; 3], squared: f32) -> u32 {
-        // SAFETY: AVX-512 is there; sixteen numbers are loaded from each array of sixteen.
+    fn near(&self, point: [f32; 3], squared: f32) -> u32 {
+        // SAFETY: AVX-512 is there.
         unsafe {
-            let x = _mm512_sub_ps(_mm512_set1_ps(point[0]), _mm512_loadu_ps(others[0].as_ptr()));
-            let y = _mm512_sub_ps(_mm512_set1_ps(point[1]), _mm512_loadu_ps(others[1].as_ptr()));
-            let z = _mm512_sub_ps(_mm512_set1_ps(point[2]), _mm512_loadu_ps(others[2].as_ptr()));
+            let x = _mm512_sub_ps(_mm512_set1_ps(point[0]), self.coordinates[0]);
+            let y = _mm512_sub_ps(_mm512_set1_ps(point[1]), self.coordinates[1]);
+            let z = _mm512_sub_ps(_mm512_set1_ps(point[2]), self.coordinates[2]);
             let sum = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(x, x), _mm512_mul_ps(y, y)), _mm512_mul_ps(z, z));
             u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(sum, _mm512_set1_ps(squared)))
         }
     }
 
     #[inline(always)]
-    fn compress(mask: u32, from: &[u32; SEARCH_WIDTH], to: &mut [u32; SEARCH_WIDTH]) {
-        // SAFETY: AVX-512 is there; sixteen words are loaded from and stored to arrays of sixteen.
-        unsafe {
-            let packed = _mm512_maskz_compress_epi32(mask as u16, _mm512_loadu_si512(from.as_ptr().cast()));
-            _mm512_storeu_si512(to.as_mut_ptr().cast(), packed);
-        }
+    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
+        // SAFETY: AVX-512 is there; sixteen words are stored to an array of sixteen.
+        unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask as u16, self.names)) }
     }
 }

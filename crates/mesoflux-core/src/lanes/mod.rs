@@ -27,8 +27,28 @@ use crate::vector::Vector;
 /// Numbers in one [`Lanes`].
 pub const WIDTH: usize = 8;
 
-/// A number for each of up to eight times eight pairs, stream by stream.
-pub type BlockNumbers = [[f64; WIDTH]; WIDTH];
+/// Something for each of up to eight times eight pairs, stream by stream; aligned, so that no load or store crosses a cache line.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(C, align(64))]
+pub struct BlockOf<T>([[T; WIDTH]; WIDTH]);
+
+/// A number for each pair of a block.
+pub type BlockNumbers = BlockOf<f64>;
+
+impl<T> std::ops::Index<usize> for BlockOf<T> {
+    type Output = [T; WIDTH];
+    #[inline(always)]
+    fn index(&self, stream: usize) -> &[T; WIDTH] {
+        &self.0[stream]
+    }
+}
+
+impl<T> std::ops::IndexMut<usize> for BlockOf<T> {
+    #[inline(always)]
+    fn index_mut(&mut self, stream: usize) -> &mut [T; WIDTH] {
+        &mut self.0[stream]
+    }
+}
 
 /// Particles that a search for neighbors looks at together.
 pub const SEARCH_WIDTH: usize = 16;
@@ -57,6 +77,8 @@ impl Row {
 pub trait Lanes: Real {
     /// A row in a register.
     type Row: RowLanes;
+    /// Sixteen candidates in registers.
+    type Candidates: Candidates;
 
     /// From memory.
     fn load(from: &[f64; WIDTH]) -> Self;
@@ -88,11 +110,6 @@ pub trait Lanes: Real {
     fn of_kind(kinds: &[u16; WIDTH], kind: u16) -> Self::Mask;
     /// Lane k as row k: (x_k, y_k, z_k, 0).
     fn rows(vectors: [Self; 3], to: &mut [Row; WIDTH]);
-    /// Which of sixteen points, given by their coordinates, lie within a squared distance of another; bit k for point k.
-    fn near(point: [f32; 3], others: [&[f32; SEARCH_WIDTH]; 3], squared: f32) -> u32;
-    /// Writes the entries whose bits are set to the front of `to`; what stands behind them means nothing.
-    fn compress(mask: u32, from: &[u32; SEARCH_WIDTH], to: &mut [u32; SEARCH_WIDTH]);
-
     /// The sum of all lanes: those four apart first, then those two apart, then the rest.
     #[inline(always)]
     fn sum(self) -> f64 {
@@ -113,6 +130,16 @@ pub fn scaled<R: Real>(factor: R, v: [R; 3]) -> [R; 3] {
 #[inline(always)]
 pub fn inner_product<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
+}
+
+/// Sixteen points with their names, of which those near to another are wanted.
+pub trait Candidates: Copy {
+    /// From memory: names and coordinates.
+    fn load(names: &[u32; SEARCH_WIDTH], coordinates: [&[f32; SEARCH_WIDTH]; 3]) -> Self;
+    /// Which of them lie within a squared distance of a point; bit k for candidate k.
+    fn near(&self, point: [f32; 3], squared: f32) -> u32;
+    /// Writes the names of those whose bits are set to the front of `to`; what stands behind them means nothing.
+    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]);
 }
 
 /// A row in a register.

@@ -1,6 +1,6 @@
 //! Lanes as plain arrays: for machines without vector instructions, and the reference for the others.
 
-use super::{Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
+use super::{Candidates, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 
@@ -109,6 +109,7 @@ impl Words for PortableWords {
 
 impl Lanes for Portable {
     type Row = [f64; 4];
+    type Candidates = PortableCandidates;
 
     #[inline(always)]
     fn load(from: &[f64; WIDTH]) -> Self {
@@ -142,23 +143,37 @@ impl Lanes for Portable {
             *row = Row([x.0[k], y.0[k], z.0[k], 0.0]);
         }
     }
+}
+
+/// Sixteen candidates in arrays.
+#[derive(Debug, Clone, Copy)]
+pub struct PortableCandidates {
+    names: [u32; SEARCH_WIDTH],
+    coordinates: [[f32; SEARCH_WIDTH]; 3],
+}
+
+impl Candidates for PortableCandidates {
+    #[inline(always)]
+    fn load(names: &[u32; SEARCH_WIDTH], coordinates: [&[f32; SEARCH_WIDTH]; 3]) -> Self {
+        Self { names: *names, coordinates: coordinates.map(|column| *column) }
+    }
 
     #[inline(always)]
-    fn near(point: [f32; 3], others: [&[f32; SEARCH_WIDTH]; 3], squared: f32) -> u32 {
+    fn near(&self, point: [f32; 3], squared: f32) -> u32 {
         let mut mask = 0;
         for k in 0..SEARCH_WIDTH {
-            let d: [f32; 3] = from_fn(|axis| point[axis] - others[axis][k]);
+            let d: [f32; 3] = from_fn(|axis| point[axis] - self.coordinates[axis][k]);
             mask |= u32::from((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2] < squared) << k;
         }
         mask
     }
 
     #[inline(always)]
-    fn compress(mask: u32, from: &[u32; SEARCH_WIDTH], to: &mut [u32; SEARCH_WIDTH]) {
+    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
         let mut count = 0;
         for k in 0..SEARCH_WIDTH {
-            // `count` is at most k: no entry is read after it was written.
-            to[count] = from[k];
+            // `count` is at most k, and below the width.
+            to[count] = self.names[k];
             count += (mask >> k & 1) as usize;
         }
     }

@@ -155,9 +155,10 @@ impl Kernel for Near {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
-        let mask = L::near(self.0, [&self.1[0], &self.1[1], &self.1[2]], 1.0);
+        let candidates = L::Candidates::load(&self.2, [&self.1[0], &self.1[1], &self.1[2]]);
+        let mask = candidates.near(self.0, 1.0);
         let mut packed = [0; SEARCH_WIDTH];
-        L::compress(mask, &self.2, &mut packed);
+        candidates.compress(mask, &mut packed);
         (mask, packed)
     }
 }

@@ -15,6 +15,9 @@ const CELLS_PER_PARTICLE: f64 = 4.0;
 /// Cells within a list radius along a row, at most.
 const CELLS_PER_RADIUS: f64 = 4.0;
 
+/// Most cells of a row: their numbers, with those of the copies at both ends, are kept in 16 bits.
+const MOST_CELLS: f64 = 30_000.0;
+
 /// The fewest particles that are worth a brick of their own.
 const PARTICLES_PER_BRICK: f64 = 100.0;
 
@@ -68,7 +71,7 @@ impl Grid {
         let narrowest = (CELLS_PER_RADIUS * along / list_radius).floor();
         let cells =
             narrowest.min((along / list_radius).max(population).min(CELLS_PER_PARTICLE * population + 2.0).floor());
-        let cells = cells.max(2.0) as usize;
+        let cells = cells.clamp(2.0, MOST_CELLS) as usize;
         let reach = (list_radius * cells as f64 / along).ceil() as usize;
         let thickness = (PARTICLES_PER_BRICK / population).sqrt().ceil().max(1.0);
         let bricks = rows.map(|rows| ((rows as f64 / thickness) as usize / 2 * 2).max(1));

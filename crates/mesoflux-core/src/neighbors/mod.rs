@@ -1,7 +1,9 @@
 //! The neighbor list: particles sorted by rows of cells, and the contacts found in them.
 //!
-//! Particles are sorted anew when some two of them may have moved by the skin together; in between, a search of the near cells
-//! finds the pairs within the cutoff at every new position. There is no list of pairs to build and to keep.
+//! Particles are sorted anew when some two of them may have moved by the skin together. With a thick skin a search of the near
+//! cells finds the pairs within the cutoff at every new position: there is no list of pairs to build and to keep. With a thin
+//! one, of which particles take many steps to cross, the pairs within cutoff plus skin are found when the particles are sorted,
+//! and kept: those few of them that are beyond the cutoff feel nothing.
 //!
 //! The order of pairs follows from the positions at the last sorting, the order of storage before it, and the input alone:
 //! bricks by color, inside a brick row by row, each with its near rows, particle by particle in storage order; `Contacts` says
@@ -46,12 +48,18 @@ pub enum NeighborError {
     Skin(f64),
 }
 
+/// Of the cutoff: the thickest skin that is thin. Beyond it too many pairs would be kept that feel nothing.
+const THIN: f64 = 0.05;
+
 /// A brick: the pairs of neighbors that one thread works on at a time.
 #[derive(Debug, Clone)]
 struct Brick {
     coordinates: [usize; 2],
     contacts: Contacts,
 }
+
+/// The kind of the pair of particles in two places.
+pub type KindOfPair<'a> = dyn Fn(&Particles, u32, u32) -> Kind + Sync + 'a;
 
 /// The neighbor list of a system.
 #[derive(Debug, Clone)]
@@ -68,6 +76,8 @@ pub struct NeighborList {
     points: Vec<Row>,
     /// Positions at the last sorting, in storage order.
     reference: Vec<Vector>,
+    /// Whether contacts are kept from one sorting to the next.
+    keeps_contacts: bool,
     builds: u64,
 }
 
@@ -97,6 +107,7 @@ impl NeighborList {
             color_starts,
             points: Vec::new(),
             reference: Vec::new(),
+            keeps_contacts: skin <= THIN * cutoff,
             builds: 0,
         })
     }
@@ -122,8 +133,8 @@ impl NeighborList {
 
     /// Wraps the positions and sorts the particles by cell; those of one cell keep their order.
     ///
-    /// Positions must be finite.
-    pub fn build(&mut self, particles: &mut Particles, workers: Workers) {
+    /// Positions must be finite. `kind` gives the kind of the pair of particles in two places where there are several.
+    pub fn build(&mut self, particles: &mut Particles, kind: Option<&KindOfPair>, workers: Workers) {
         let region = self.region;
         workers.for_each_chunk_of_two(&mut particles.position, &mut particles.crossings, |_, positions, crossings| {
             for (position, crossings) in positions.iter_mut().zip(crossings) {
@@ -135,6 +146,9 @@ impl NeighborList {
         workers.for_each(&mut self.rows, |number, row| row.sort(grid, &starts[number * cells..=(number + 1) * cells]));
         self.reference.clone_from(&particles.position);
         self.builds += 1;
+        if self.keeps_contacts {
+            self.find_contacts(particles, self.cutoff + self.skin, kind, workers);
+        }
     }
 
     /// Sorts the particles by cell; returns where each cell begins.
@@ -162,29 +176,80 @@ impl NeighborList {
         starts
     }
 
-    /// Finds the contacts at the present positions; `kind` gives the kind of the pair of particles in two places where there
-    /// are several.
-    pub fn update_contacts<K>(&mut self, particles: &Particles, kind: Option<K>, workers: Workers)
-    where
-        K: Fn(u32, u32) -> Kind + Sync,
-    {
-        let (grid, region) = (&self.grid, &self.region);
+    /// Brings the contacts up to date with the present positions; `kind` as for `build`.
+    pub fn update_contacts(&mut self, particles: &Particles, kind: Option<&KindOfPair>, workers: Workers) {
+        self.follow(particles, workers);
+        if !self.keeps_contacts {
+            self.find_contacts(particles, self.cutoff, kind, workers);
+        }
+    }
+
+    /// Takes over the present positions.
+    pub(crate) fn follow(&mut self, particles: &Particles, workers: Workers) {
         self.points.resize(particles.count(), Row::default());
         workers.for_each_chunk(&mut self.points, |offset, points| {
-            for (k, point) in points.iter_mut().enumerate() {
-                *point = Row::new(particles.position[offset + k], f64::from_bits(particles.id[offset + k]));
+            let columns = particles.position[offset..].iter().zip(&particles.id[offset..]);
+            for (point, (&position, &id)) in points.iter_mut().zip(columns) {
+                *point = Row::new(position, f64::from_bits(id));
             }
         });
+    }
+
+    /// Finds the pairs within a radius.
+    fn find_contacts(&mut self, particles: &Particles, radius: f64, kind: Option<&KindOfPair>, workers: Workers) {
+        self.follow_rows(particles, workers);
+        let mut bricks = std::mem::take(&mut self.bricks);
+        workers.for_each(&mut bricks, |_, brick| {
+            self.find(brick.coordinates, particles, radius, kind, &mut brick.contacts);
+        });
+        self.bricks = bricks;
+    }
+
+    /// Brings the rows up to date with the present positions.
+    fn follow_rows(&mut self, particles: &Particles, workers: Workers) {
+        let (grid, region) = (&self.grid, &self.region);
         workers.for_each(&mut self.rows, |_, row| row.update(grid, region, &particles.position));
-        let (rows, squared) = (&self.rows, search_radius_squared(self.cutoff, region));
-        let instructions = InstructionSet::detect();
-        workers.for_each(&mut self.bricks, |_, brick| {
-            let Brick { coordinates, contacts } = brick;
-            instructions.run(Search { grid, region, rows, brick: *coordinates, squared, contacts });
-            if let Some(kind) = &kind {
-                contacts.set_kinds(kind);
-            }
-        });
+    }
+
+    /// Finds one brick's pairs within a radius, the rows being up to date.
+    fn find(
+        &self,
+        brick: [usize; 2],
+        particles: &Particles,
+        radius: f64,
+        kind: Option<&KindOfPair>,
+        contacts: &mut Contacts,
+    ) {
+        let Self { grid, region, rows, .. } = self;
+        let squared = search_radius_squared(radius, region);
+        InstructionSet::detect().run(Search { grid, region, rows, brick, squared, contacts });
+        if let Some(kind) = kind {
+            contacts.set_kinds(|i, j| kind(particles, i, j));
+        }
+    }
+
+    /// Calls `work` with the contacts of every brick at the present positions, found just before and then forgotten: nothing
+    /// leaves the nearest cache. Color after color, as `sweep` does.
+    pub(crate) fn sweep_once(
+        &mut self,
+        particles: &Particles,
+        kind: Option<&KindOfPair>,
+        workers: Workers,
+        work: impl Fn(&Self, &Contacts) + Sync,
+    ) {
+        self.follow(particles, workers);
+        if self.keeps_contacts {
+            self.sweep(false, workers, |contacts| work(self, contacts));
+            return;
+        }
+        self.follow_rows(particles, workers);
+        let list = &*self;
+        for color in self.color_starts.windows(2) {
+            workers.for_each_with(&list.bricks[color[0]..color[1]], Contacts::default, |contacts, brick| {
+                list.find(brick.coordinates, particles, list.cutoff, kind, contacts);
+                work(list, contacts);
+            });
+        }
     }
 
     /// Calls `work` with the contacts of every brick, color after color; bricks that are visited at the same time touch no

@@ -9,6 +9,9 @@ use crate::lanes::SEARCH_WIDTH;
 use crate::vector::Vector;
 use std::ops::Range;
 
+/// Neighbors in a row that look for their contacts together.
+pub const CLUSTER: usize = 4;
+
 /// Of the longest side: more than sixteen roundings of a coordinate that lies at most one and a half sides away.
 const ROUNDING: f64 = 32.0 / (1 << 24) as f64;
 
@@ -106,12 +109,25 @@ impl Columns<'_> {
         self.starts[grid.reach] as usize..self.starts[grid.reach + grid.cells] as usize
     }
 
-    /// The place in storage and the coordinates of one of the own entries, and the entries of another row that may be near to it.
+    /// The entries of another row that may be near to one of the own entries from `first` to `last`.
     #[inline(always)]
-    pub fn entry(&self, entry: usize, grid: &Grid, other: &Self) -> (u32, [f32; 3], Range<usize>) {
-        let cell = usize::from(self.cell[entry]);
-        let window = other.starts[cell - grid.reach] as usize..other.starts[cell + grid.reach + 1] as usize;
-        (self.place[entry], [self.x[entry], self.y[entry], self.z[entry]], window)
+    pub fn window(&self, first: usize, last: usize, grid: &Grid, other: &Self) -> Range<usize> {
+        let (lower, upper) = (usize::from(self.cell[first]), usize::from(self.cell[last]));
+        other.starts[lower - grid.reach] as usize..other.starts[upper + grid.reach + 1] as usize
+    }
+
+    /// Places and coordinates of the entries of a cluster, moved across the rows.
+    #[inline(always)]
+    pub fn cluster(&self, start: usize, shift: [f32; 2]) -> ([u32; CLUSTER], [[f32; 3]; CLUSTER]) {
+        let (mut places, mut points) = ([0; CLUSTER], [[0.0; 3]; CLUSTER]);
+        let end = start + CLUSTER;
+        let columns =
+            self.place[start..end].iter().zip(&self.x[start..end]).zip(&self.y[start..end]).zip(&self.z[start..end]);
+        for (member, (((&place, &x), &y), &z)) in columns.enumerate() {
+            places[member] = place;
+            points[member] = [x, y + shift[0], z + shift[1]];
+        }
+        (places, points)
     }
 
     /// Places and coordinates of the entries from one on; `None` past the end.

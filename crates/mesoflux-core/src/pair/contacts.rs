@@ -2,7 +2,7 @@
 
 use crate::boundary::PeriodicBox;
 use crate::interactions::{Kind, PairTable};
-use crate::lanes::{BlockNumbers, Lanes, SEARCH_WIDTH, WIDTH};
+use crate::lanes::{BlockNumbers, Candidates, Lanes, SEARCH_WIDTH, WIDTH};
 use crate::vector::{Vector, dot, subtract};
 
 /// Pairs of particles by their places in storage.
@@ -23,6 +23,9 @@ pub struct Contacts {
     /// All places are below this, also those that stand behind the last contact.
     places_below: usize,
 }
+
+/// So many contacts are few: room for them may be doubled.
+const FEW: usize = 4096;
 
 /// Contacts that are worked on together: contact `first + s·stride + k` is entry k < `depth` of stream s < `streams`.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +55,7 @@ impl Contacts {
     #[cfg(test)]
     pub(crate) fn of(pairs: &[[u32; 2]]) -> Self {
         let mut contacts = Self::default();
-        let [first, second] = contacts.room(pairs.len());
+        let Room { first, second } = contacts.room(pairs.len());
         for (k, pair) in pairs.iter().enumerate() {
             (first[k], second[k]) = (pair[0], pair[1]);
         }
@@ -91,20 +94,20 @@ impl Contacts {
         (r, if r > 0.0 { d.map(|d| d / r) } else { d })
     }
 
-    /// The columns of both particles, with room for so many contacts and what is written beyond the last.
+    /// Room for so many contacts and what is written beyond the last.
     #[inline(always)]
-    pub(crate) fn room(&mut self, count: usize) -> [&mut [u32]; 2] {
+    pub(crate) fn room(&mut self, count: usize) -> Room<'_> {
         if self.first.len() < count + SEARCH_WIDTH {
             self.grow(count + SEARCH_WIDTH);
         }
         let length = self.first.len();
-        [&mut self.first[..], &mut self.second[..length]]
+        Room { first: &mut self.first, second: &mut self.second[..length] }
     }
 
     #[cold]
     fn grow(&mut self, length: usize) {
-        // A little room for the next time, but no doubling: contacts are much of what a simulation holds.
-        let length = length + length / 16;
+        // A little room for the next time, but no doubling where there are many: contacts are much of what a simulation holds.
+        let length = (length + length / 16).max((2 * self.first.len()).min(FEW));
         for column in [&mut self.first, &mut self.second] {
             column.reserve_exact(length - column.len());
             column.resize(length, 0);
@@ -113,9 +116,9 @@ impl Contacts {
 
     /// Ends a search that found so many.
     pub(crate) fn finish(&mut self, count: usize) {
-        let places = self.room(count);
+        self.room(count);
         let mut largest = 0;
-        for column in places {
+        for column in [&self.first, &self.second] {
             for &place in &column[..count + WIDTH] {
                 largest = largest.max(place);
             }
@@ -167,11 +170,11 @@ impl Contacts {
         if self.kind.is_empty() {
             match &table.entries()[0] {
                 Some(law) => law.fill::<L>(block.streams, distance, values),
-                None => values.fill([0.0; WIDTH]),
+                None => *values = BlockNumbers::default(),
             }
             return;
         }
-        values.fill([0.0; WIDTH]);
+        *values = BlockNumbers::default();
         let mut of_law = BlockNumbers::default();
         for (kind, law) in table.entries().iter().enumerate() {
             if let Some(law) = law {
@@ -187,6 +190,26 @@ impl Contacts {
     /// All places are below this.
     pub(crate) fn places_below(&self) -> usize {
         self.places_below
+    }
+}
+
+/// Where a search writes contacts.
+pub(crate) struct Room<'a> {
+    first: &'a mut [u32],
+    second: &'a mut [u32],
+}
+
+impl Room<'_> {
+    /// Writes one particle's contacts with those candidates that the mask names to the places from `from` on; returns how many.
+    #[inline(always)]
+    pub fn append<L: Lanes>(&mut self, from: usize, first: u32, candidates: &L::Candidates, mask: u32) -> usize {
+        assert!(from + SEARCH_WIDTH <= self.first.len().min(self.second.len()), "no room for contacts");
+        // SAFETY: there is room for as many as are written, as was just checked.
+        unsafe {
+            *self.first.as_mut_ptr().add(from).cast::<[u32; SEARCH_WIDTH]>() = [first; SEARCH_WIDTH];
+            candidates.compress(mask, &mut *self.second.as_mut_ptr().add(from).cast());
+        }
+        mask.count_ones() as usize
     }
 }
 

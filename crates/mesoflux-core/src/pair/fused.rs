@@ -8,8 +8,9 @@ use crate::domain::Workers;
 use crate::friction::fluctuation_dissipation::random_force_variance;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_product, scaled};
-use crate::neighbors::NeighborList;
+use crate::neighbors::{KindOfPair, NeighborList};
 use crate::noise::{Draw, PairNormals};
+use crate::state::Particles;
 
 /// The noise of one force evaluation.
 #[derive(Debug, Clone, Copy)]
@@ -23,18 +24,24 @@ pub struct PairNoise {
 }
 
 /// F_i = Σ_j [f(r) − Γ(r) e·(v_i − v_j) + √(2ΓkT/Δt) ξ_ij] e_ij with the given velocities (Groot & Warren 1997, eqs 3–8).
+///
+/// Finds the contacts at the present positions brick by brick; `kind` as for `NeighborList::build`.
+#[allow(clippy::too_many_arguments, reason = "a force needs them all")]
 pub fn velocity_dependent_forces(
-    list: &NeighborList,
+    list: &mut NeighborList,
     interactions: &Interactions,
+    particles: &Particles,
+    kind: Option<&KindOfPair>,
     velocity: &[Row],
     noise: &PairNoise,
     force: &mut [Row],
     workers: Workers,
 ) {
     workers.for_each_chunk(force, |_, chunk| chunk.fill(Row::default()));
-    let (target, region, points) = (Scatter::new(force), list.region(), list.points());
+    let target = Scatter::new(force);
     let instructions = InstructionSet::detect();
-    list.sweep(false, workers, |contacts| {
+    list.sweep_once(particles, kind, workers, |list, contacts| {
+        let (region, points) = (list.region(), list.points());
         instructions.run(BrickForces { contacts, interactions, points, region, velocity, noise, target: &target });
     });
 }

@@ -2,7 +2,7 @@
 
 use super::contacts::{Block, Contacts};
 use super::separations::Separations;
-use crate::lanes::{Lanes, Row, RowLanes, WIDTH};
+use crate::lanes::{BlockOf, Lanes, Row, RowLanes, WIDTH};
 use std::marker::PhantomData;
 
 /// A column of rows that several bricks of one color write to at the same time.
@@ -17,7 +17,7 @@ pub(crate) struct Scatter<'a> {
 unsafe impl Sync for Scatter<'_> {}
 
 /// Rows of the pairs of a block, stream by stream.
-pub(crate) type BlockRows = [[Row; WIDTH]; WIDTH];
+pub(crate) type BlockRows = BlockOf<Row>;
 
 impl<'a> Scatter<'a> {
     pub fn new(column: &'a mut [Row]) -> Self {

@@ -3,7 +3,7 @@
 use super::contacts::{Block, Contacts};
 use crate::boundary::PeriodicBox;
 use crate::elementary::{inverse_sqrt, nearest_integer};
-use crate::lanes::{BlockNumbers, Lanes, Row, WIDTH, inner_product, scaled};
+use crate::lanes::{BlockNumbers, BlockOf, Lanes, Row, inner_product, scaled};
 
 /// r, e and ids of a block's pairs at their nearest images.
 #[derive(Debug, Clone, Default)]
@@ -15,7 +15,7 @@ pub(crate) struct Separations {
     /// The bits of both particles' ids.
     pub ids: [BlockNumbers; 2],
     /// The places of both particles.
-    pub places: [[[u32; WIDTH]; WIDTH]; 2],
+    pub places: [BlockOf<u32>; 2],
 }
 
 impl Separations {

@@ -86,18 +86,29 @@ macro_rules! visit {
 }
 
 impl Updates {
-    /// The update of one contact; keeps u.
+    /// The update of one contact; keeps u where it is needed for the flux.
     #[inline(always)]
-    fn apply<L: Lanes>(&self, velocity: &Scatter, s: usize, k: usize, u: &mut BlockNumbers) {
+    fn apply<L: Lanes, const FLUX: bool, const EQUAL: bool>(
+        &self,
+        velocity: &Scatter,
+        s: usize,
+        k: usize,
+        relative: &mut BlockNumbers,
+    ) {
         // SAFETY: the places were checked, and inside a sweep no other thread uses them.
         unsafe {
             let [v_i, v_j] = velocity.pair([self.pairs.places[0][s][k], self.pairs.places[1][s][k]]);
             let (mine, theirs) = (L::Row::load(v_i), L::Row::load(v_j));
             let e = L::Row::load(&raw const self.direction[s][k]);
-            u[s][k] = mine.subtract(theirs).dot(e);
-            let change = self.decay[s][k].mul_add(u[s][k], self.random[s][k]);
-            mine.add_scaled(change * self.shares[0][s][k], e).store(v_i);
-            theirs.add_scaled(-change * self.shares[1][s][k], e).store(v_j);
+            let u = mine.subtract(theirs).dot(e);
+            if FLUX {
+                relative[s][k] = u;
+            }
+            let change = self.decay[s][k].mul_add(u, self.random[s][k]);
+            // Of equal masses each takes half, which decay and random part hold already.
+            let [share_i, share_j] = if EQUAL { [1.0; 2] } else { [self.shares[0][s][k], self.shares[1][s][k]] };
+            mine.add_scaled(change * share_i, e).store(v_i);
+            theirs.add_scaled(-change * share_j, e).store(v_j);
         }
     }
 }
@@ -107,25 +118,44 @@ impl Kernel for BrickSweep<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
+        match (self.sweep.response.is_some(), self.interactions.single_kind()) {
+            (true, true) => self.sweep::<L, true, true>(),
+            (true, false) => self.sweep::<L, true, false>(),
+            (false, true) => self.sweep::<L, false, true>(),
+            (false, false) => self.sweep::<L, false, false>(),
+        }
+    }
+}
+
+impl BrickSweep<'_> {
+    /// The sweep, with or without the flux, of equal particles or others.
+    #[inline(always)]
+    fn sweep<L: Lanes, const FLUX: bool, const EQUAL: bool>(&self) -> f64 {
         let Self { contacts, sweep, velocity, .. } = self;
         velocity.check(contacts);
         let mut updates = Updates::default();
         let mut u = BlockNumbers::default();
         let mut expected = L::splat(0.0);
         for block in contacts.blocks(sweep.backward) {
-            self.prepare::<L>(&block, &mut updates);
+            self.prepare::<L, EQUAL>(&block, &mut updates);
             let (depth, streams) = (block.depth.min(WIDTH), block.streams.min(WIDTH));
             match (streams == WIDTH, sweep.backward) {
-                (true, false) => visit!(0..depth, 0..WIDTH, |s, k| updates.apply::<L>(velocity, s, k, &mut u)),
-                (true, true) => {
-                    visit!((0..depth).rev(), (0..WIDTH).rev(), |s, k| updates.apply::<L>(velocity, s, k, &mut u))
+                (true, false) => {
+                    visit!(0..depth, 0..WIDTH, |s, k| updates.apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u))
                 }
-                (false, false) => visit!(0..depth, 0..streams, |s, k| updates.apply::<L>(velocity, s, k, &mut u)),
+                (true, true) => {
+                    visit!((0..depth).rev(), (0..WIDTH).rev(), |s, k| updates
+                        .apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u));
+                }
+                (false, false) => {
+                    visit!(0..depth, 0..streams, |s, k| updates.apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u))
+                }
                 (false, true) => {
-                    visit!((0..depth).rev(), (0..streams).rev(), |s, k| updates.apply::<L>(velocity, s, k, &mut u))
+                    visit!((0..depth).rev(), (0..streams).rev(), |s, k| updates
+                        .apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u));
                 }
             }
-            if sweep.response.is_some() {
+            if FLUX {
                 for s in 0..block.streams {
                     u[s][block.depth..].fill(0.0);
                     expected = L::load(&u[s]).mul_add(L::load(&updates.flux[s]), expected);
@@ -134,33 +164,36 @@ impl Kernel for BrickSweep<'_> {
         }
         expected.sum()
     }
-}
 
-impl BrickSweep<'_> {
     /// What the updates of a block's contacts need.
     #[inline(always)]
-    fn prepare<L: Lanes>(&self, block: &Block, updates: &mut Updates) {
+    fn prepare<L: Lanes, const EQUAL: bool>(&self, block: &Block, updates: &mut Updates) {
         let Self { contacts, interactions, particles, sweep, .. } = self;
         let Updates { pairs, strength, normals, direction, decay, random, shares, flux } = updates;
         pairs.update::<L>(contacts, block, self.points, self.region);
         contacts.by_kind::<L, _>(block, &interactions.frictions, &pairs.distance, strength);
         sweep.noise.pair_noise::<L>(block.streams, &pairs.ids, normals);
+        let equal = interactions.inverse_reduced_masses.entries()[0];
         for s in 0..block.streams {
             let [first, second] = contacts.places(block.stream(s));
-            let inverse_masses = if interactions.single_kind() {
-                [L::splat(0.5 * interactions.inverse_reduced_masses.entries()[0]); 2]
-            } else {
-                [L::gather(&particles.inverse_mass, first), L::gather(&particles.inverse_mass, second)]
-            };
-            let inverse_reduced_mass = inverse_masses[0] + inverse_masses[1];
             let strength = L::load(&strength[s]);
-            let update = ornstein_uhlenbeck(strength, inverse_reduced_mass, sweep.temperature, sweep.time);
-            normals.of_variance(s, update.variance).store(&mut random[s]);
-            update.decay.store(&mut decay[s]);
-            let reduced_mass = L::splat(1.0) / inverse_reduced_mass;
-            for k in 0..2 {
-                (inverse_masses[k] * reduced_mass).store(&mut shares[k][s]);
-            }
+            let (update, reduced_mass) = if EQUAL {
+                let update = ornstein_uhlenbeck(strength, L::splat(equal), sweep.temperature, sweep.time);
+                let half = L::splat(0.5);
+                (half * normals.of_variance(s, update.variance)).store(&mut random[s]);
+                (half * update.decay).store(&mut decay[s]);
+                (update, L::splat(1.0 / equal))
+            } else {
+                let (w_i, w_j) =
+                    (L::gather(&particles.inverse_mass, first), L::gather(&particles.inverse_mass, second));
+                let update = ornstein_uhlenbeck(strength, w_i + w_j, sweep.temperature, sweep.time);
+                normals.of_variance(s, update.variance).store(&mut random[s]);
+                update.decay.store(&mut decay[s]);
+                let reduced_mass = L::splat(1.0) / (w_i + w_j);
+                (w_i * reduced_mass).store(&mut shares[0][s]);
+                (w_j * reduced_mass).store(&mut shares[1][s]);
+                (update, reduced_mass)
+            };
             let e = pairs.direction(s);
             L::rows(e, &mut direction[s]);
             if let Some(response) = sweep.response {
