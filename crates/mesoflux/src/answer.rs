@@ -76,7 +76,7 @@ pub fn answer(
         seed: input.run.seed,
         threads: circumstances.threads,
         complete: finished.len() == plan.tasks().len() && finished.iter().all(|run| run.complete),
-        kernel: mesoflux_core::pair::KERNEL,
+        kernel: mesoflux_core::lanes::InstructionSet::detect().name(),
         wall_seconds: circumstances.wall_seconds,
         particle_steps,
         particle_steps_per_second: (particle_steps - before) / circumstances.wall_seconds.max(1e-9),

@@ -205,7 +205,10 @@ mod tests {
         let write = |out: &mut StateWriter| stream::write(out, &(head, simulation().snapshot(), none.as_slice()));
         files.write(&store.directory, write).unwrap();
         let refused = store.read(&mut CheckpointFiles::new("run")).unwrap_err().to_string();
-        assert!(refused.contains("was computed by the kernels \"abacus\": must be \"portable\""), "{refused}");
+        assert!(
+            refused.contains(&format!("was computed by the kernels \"abacus\": must be \"{KERNEL}\"")),
+            "{refused}"
+        );
     }
 
     /// Two particles at rest.

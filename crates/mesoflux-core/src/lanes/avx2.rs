@@ -4,6 +4,7 @@
 //! machine: that is why their instructions may be used.
 
 use super::{Candidates, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
+#[allow(clippy::wildcard_imports, reason = "dozens of names that begin alike and mean one thing each")]
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 

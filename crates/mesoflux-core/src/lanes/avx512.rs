@@ -5,6 +5,7 @@
 
 use super::avx2::RowAvx;
 use super::{Candidates, Lanes, Real, Row, SEARCH_WIDTH, WIDTH, Words};
+#[allow(clippy::wildcard_imports, reason = "dozens of names that begin alike and mean one thing each")]
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 

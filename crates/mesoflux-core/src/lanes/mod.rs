@@ -155,10 +155,13 @@ pub trait RowLanes: Copy {
     /// There is a row that may be written.
     unsafe fn store(self, to: *mut Row);
     /// Component by component.
+    #[must_use]
     fn add(self, other: Self) -> Self;
     /// Component by component.
+    #[must_use]
     fn subtract(self, other: Self) -> Self;
     /// self + factor · direction, rounded once.
+    #[must_use]
     fn add_scaled(self, factor: f64, direction: Self) -> Self;
     /// (x·x' + z·z') + (y·y' + w·w').
     fn dot(self, other: Self) -> f64;

@@ -26,6 +26,7 @@ pub trait Real:
     fn from_bits(bits: Self::Bits) -> Self;
 
     /// The value of a polynomial with the given coefficients, the highest power first.
+    #[must_use]
     #[inline(always)]
     fn polynomial(self, coefficients: &[f64]) -> Self {
         let mut value = Self::splat(coefficients[0]);

@@ -94,7 +94,7 @@ proptest! {
 #[test]
 fn particles_on_faces_of_cells_find_their_neighbors() {
     for (spacing, skin) in [(0.5, 0.3), (1.3, 0.3), (1.0, 0.3), (0.65, 0.3), (1.0, 0.25), (0.5, 0.02), (1.02, 0.02)] {
-        let count = (5.2 / spacing as f64).round() as usize;
+        let count = (5.2f64 / spacing).round() as usize;
         let side = count as f64 * spacing;
         let region = PeriodicBox::new([side; 3]).unwrap();
         let sites =

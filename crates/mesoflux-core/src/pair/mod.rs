@@ -8,8 +8,8 @@ mod scatter;
 mod separations;
 mod thermostat;
 
-/// The name of the arithmetic. All sets of vector instructions give the same bits, so that there is one name for all.
-pub const KERNEL: &str = "portable";
+/// The name of the kernels' arithmetic. All sets of vector instructions give the same bits, so that there is one name for all.
+pub const KERNEL: &str = "eight streams, 1";
 
 pub use conservative::conservative_forces;
 pub use contacts::Contacts;
