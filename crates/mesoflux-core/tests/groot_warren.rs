@@ -109,7 +109,7 @@ fn series(seed: u64) -> Arc<Series> {
     const POWER: f64 = 0.28;
     let mut done = DONE.lock().unwrap();
     let measured = done.get_or_insert_with(HashMap::new).entry(seed).or_insert_with(|| {
-        let plan = [(0.02, 850.0), (0.03, 1100.0), (0.04, 1800.0), (0.05, 900.0), (0.06, 700.0), (0.07, 1000.0)];
+        let plan = [(0.02, 850.0), (0.03, 1800.0), (0.04, 2400.0), (0.05, 1200.0), (0.06, 700.0), (0.07, 1000.0)];
         let measure = |(dt, time)| {
             let all = temperatures(dt, time, seed);
             let kinetic = all.linear(&[1.0, 0.0, 0.0, -POWER]);

@@ -61,7 +61,8 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
             "liquid.toml",
             Derived { masses: &[2.0], sides: [8.0, 9.0, 8.5], density: 500.0 / 612.0, word: Some("OBABO"), ..one },
         ),
-        // The species in the order of their names; the largest cutoff is that of the mixed pair, a tenth of it the skin.
+        // The species in the order of their names; the largest cutoff is that of the mixed pair; short steps
+        // make the skin thin.
         (
             "mixture.toml",
             Derived {
@@ -70,7 +71,7 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
                 sides: cube(625.0),
                 density: 0.8,
                 cutoff: 3.0,
-                skin: 0.3,
+                skin: (0.14f64 * 9.0 * (0.002 * 0.5f64.sqrt()) * 3.0).sqrt(),
                 ..one
             },
         ),
@@ -87,7 +88,7 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
                 ..one
             },
         ),
-        ("constant_energy.toml", Derived { word: Some("BAB"), ..one }),
+        ("constant_energy.toml", Derived { skin: (0.14f64 * 9.0 * 0.002 * 2.5).sqrt(), word: Some("BAB"), ..one }),
         ("polymer.toml", Derived { counts: &[30, 70, 500], masses: &[1.0, 1.5, 1.0], ..soft(600, &[], cube(200.0)) }),
         ("from_lammps_data.toml", Derived { masses: &[2.5, 1.0], ..soft(66, &[6, 60], [4.0; 3]) }),
         ("from_extended_xyz.toml", soft(100, &[100], [3.2; 3])),

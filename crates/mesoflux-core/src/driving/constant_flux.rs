@@ -71,6 +71,8 @@ impl Driving for ConstantFlux {
     }
 
     fn end_step(&mut self, system: &System, time_step: f64) -> DrivenStep {
+        // The particles may have been sorted anew since the last letter that projected.
+        self.field.update(&system.particles, system.layout(), true, system.workers);
         let forcing = std::mem::take(&mut self.booked) / time_step;
         DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing }
     }
