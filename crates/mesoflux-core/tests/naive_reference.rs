@@ -4,7 +4,7 @@
 mod common;
 
 use common::naive::Naive;
-use common::{by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
+use common::{Fluid, by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
 use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
@@ -237,6 +237,18 @@ fn naive_step(
     });
     outcome?;
     Ok(if matches!(drive, Drive::Norton(_)) { booked / dt } else { Drive::MAGNITUDE })
+}
+
+/// Dense enough for several bricks, two across each axis: the colors follow each other forward and backward.
+#[test]
+fn words_of_many_bricks() {
+    for species in [vec![(864, 1.0)], vec![(432, 1.0), (432, 3.7)]] {
+        let noise = NoiseKey::new(&[1]);
+        let mut system = Fluid::groot_warren(864).with_species(&species).system(1.0, noise);
+        let bricks = system.contacts().contacts().filter(|contacts| contacts.count() > 0).count();
+        assert!(bricks >= 4, "{bricks} bricks: there must be one of each color");
+        compare_steps(system, "ABOBA", Drive::Norton(ForcingKind::ColorDrift), noise).unwrap();
+    }
 }
 
 proptest! {

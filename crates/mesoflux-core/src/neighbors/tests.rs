@@ -114,6 +114,44 @@ fn particles_on_faces_of_cells_find_their_neighbors() {
     }
 }
 
+/// Far from the origin single precision is coarse: the search must take a radius that is larger by as much.
+#[test]
+fn pairs_just_within_the_cutoff_are_found_far_from_the_origin() {
+    let sides = [5.0, 6.0, 2000.0];
+    let region = PeriodicBox::new(sides).unwrap();
+    let direction = [0.48, 0.6, 0.64].map(|e| (1.0 - 1e-9) * e);
+    let firsts = random_particles(500, sides, 1).position;
+    let sites = firsts.into_iter().flat_map(|a| [a, std::array::from_fn(|axis| a[axis] + direction[axis])]);
+    let mut particles = Particles::at_rest(sites.collect(), vec![0; 1000], &[1.0]);
+    let mut list = NeighborList::new(&region, 1.0, 0.3, 1000).unwrap();
+    list.build(&mut particles, None, Workers::One);
+    list.update_contacts(&particles, None, Workers::One);
+    let mut found = BTreeSet::new();
+    for contacts in list.contacts() {
+        for k in (0..contacts.count()).filter(|&k| contacts.separation(k, &particles.position, &region).0 < 1.0) {
+            let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
+            assert!(found.insert((a.min(b), a.max(b))));
+        }
+    }
+    let expected = all_pairs(&particles, &region, 1.0);
+    assert!((0..500).all(|k| expected.contains(&(2 * k, 2 * k + 1))), "the pairs are within the cutoff");
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn a_list_is_spent_when_two_particles_together_have_moved_by_the_skin() {
+    let sides = [6.0; 3];
+    let region = PeriodicBox::new(sides).unwrap();
+    for (first, second, spent) in [(0.49, 0.49, false), (0.6, 0.6, true), (0.0, 0.99, false), (1.01, 0.0, true)] {
+        let mut particles = random_particles(100, sides, 1);
+        let mut list = NeighborList::new(&region, 1.0, 0.3, 100).unwrap();
+        list.build(&mut particles, None, Workers::One);
+        particles.position[17][1] += 0.3 * first;
+        particles.position[60][2] -= 0.3 * second;
+        assert_eq!(list.is_spent(&particles, Workers::One), spent, "{first} and {second} of the skin");
+    }
+}
+
 #[test]
 fn boxes_below_twice_the_list_radius_are_refused_with_the_smallest_legal_side() {
     let region = PeriodicBox::new([5.0, 2.59, 5.0]).unwrap();
