@@ -12,9 +12,9 @@ use std::collections::BTreeSet;
 /// Fast particles in nearly free flight and a wide skin: many pairs meet on the day before the list is renewed.
 #[test]
 fn no_pair_is_missed_however_long_a_list_is_kept() {
-    let fluid = Fluid { skin: 0.9, ..Fluid::ideal(192, 0.1) };
+    let fluid = Fluid { skin: 0.9, ..Fluid::ideal(1029, 0.1) };
     let mut simulation = fluid.simulation("ABOBA", None, NoiseKey::new(&[1]), 0.01);
-    let steps = 600;
+    let steps = 400;
     for step in 0..steps {
         simulation.step().unwrap();
         let system = &mut simulation.system;
