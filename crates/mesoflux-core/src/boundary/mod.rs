@@ -2,4 +2,4 @@
 
 mod periodic;
 
-pub use periodic::{BoxError, Image, PeriodicBox};
+pub use periodic::{BoxError, PeriodicBox};

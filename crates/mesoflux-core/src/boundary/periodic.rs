@@ -1,10 +1,7 @@
-//! The periodic orthorhombic box and its table of images.
+//! The periodic orthorhombic box.
 
-use crate::vector::{Vector, ZERO};
+use crate::vector::Vector;
 use serde::{Deserialize, Serialize};
-
-/// Index into the table of the 27 images: 13 is the pair in the same copy of the box.
-pub type Image = u8;
 
 /// An orthorhombic box, periodic in all three directions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -49,27 +46,6 @@ impl PeriodicBox {
     /// The volume L_x L_y L_z.
     pub fn volume(&self) -> f64 {
         self.sides.iter().product()
-    }
-
-    /// The index of the image that lies `copies` (each −1, 0 or 1) box sides away.
-    pub fn image_index(copies: [i32; 3]) -> Image {
-        ((copies[0] + 1) + 3 * (copies[1] + 1) + 9 * (copies[2] + 1)) as Image
-    }
-
-    /// For each image the offset to add to r_i − r_j, in position.
-    ///
-    /// A moving boundary would give a second table, for the velocities; a periodic one leaves them alone.
-    pub fn image_offsets(&self) -> [Vector; 27] {
-        let mut offsets = [ZERO; 27];
-        for z in -1..=1 {
-            for y in -1..=1 {
-                for x in -1..=1 {
-                    offsets[usize::from(Self::image_index([x, y, z]))] =
-                        [f64::from(x) * self.sides[0], f64::from(y) * self.sides[1], f64::from(z) * self.sides[2]];
-                }
-            }
-        }
-        offsets
     }
 
     /// Brings a position into the box and counts the crossings, so that position + image · side stays what it was.
@@ -120,14 +96,6 @@ mod tests {
                 prop_assert!((followed[axis] - [x, y, z][axis]).abs() < 1e-12);
             }
         }
-    }
-
-    #[test]
-    fn offsets_follow_the_index() {
-        let region = PeriodicBox::new([1.0, 2.0, 3.0]).unwrap();
-        let offsets = region.image_offsets();
-        assert_eq!(offsets[13], ZERO);
-        assert_eq!(offsets[usize::from(PeriodicBox::image_index([1, -1, 1]))], [1.0, -2.0, 3.0]);
     }
 
     #[test]

@@ -24,6 +24,19 @@ fn moved_list(particles: &mut Particles, region: &PeriodicBox, skin: f64) -> Nei
     list
 }
 
+/// The ids of the contacts within a radius, none of which may stand twice in the list.
+fn contacts_within(list: &NeighborList, particles: &Particles, radius: f64) -> BTreeSet<(u64, u64)> {
+    let mut found = BTreeSet::new();
+    for contacts in list.contacts() {
+        let near = |&k: &usize| contacts.separation(k, &particles.position, list.region()).0 < radius;
+        for k in (0..contacts.count()).filter(near) {
+            let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
+            assert!(found.insert((a.min(b), a.max(b))), "the pair {a}, {b} is found twice");
+        }
+    }
+    found
+}
+
 /// The ids of every pair within the radius, by brute force.
 fn all_pairs(particles: &Particles, region: &PeriodicBox, radius: f64) -> BTreeSet<(u64, u64)> {
     let mut found = BTreeSet::new();
@@ -103,13 +116,7 @@ fn particles_on_faces_of_cells_find_their_neighbors() {
         let mut list = NeighborList::new(&region, 1.0, skin, particles.count()).unwrap();
         list.build(&mut particles, None, Workers::One);
         list.update_contacts(&particles, None, Workers::One);
-        let mut found = BTreeSet::new();
-        for contacts in list.contacts() {
-            for k in (0..contacts.count()).filter(|&k| contacts.separation(k, &particles.position, &region).0 < 1.0) {
-                let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
-                assert!(found.insert((a.min(b), a.max(b))));
-            }
-        }
+        let found = contacts_within(&list, &particles, 1.0);
         assert_eq!(found, all_pairs(&particles, &region, 1.0), "spacing {spacing}");
     }
 }
@@ -126,13 +133,7 @@ fn pairs_just_within_the_cutoff_are_found_far_from_the_origin() {
     let mut list = NeighborList::new(&region, 1.0, 0.3, 1000).unwrap();
     list.build(&mut particles, None, Workers::One);
     list.update_contacts(&particles, None, Workers::One);
-    let mut found = BTreeSet::new();
-    for contacts in list.contacts() {
-        for k in (0..contacts.count()).filter(|&k| contacts.separation(k, &particles.position, &region).0 < 1.0) {
-            let [a, b] = contacts.pair(k).map(|place| particles.id[place]);
-            assert!(found.insert((a.min(b), a.max(b))));
-        }
-    }
+    let found = contacts_within(&list, &particles, 1.0);
     let expected = all_pairs(&particles, &region, 1.0);
     assert!((0..500).all(|k| expected.contains(&(2 * k, 2 * k + 1))), "the pairs are within the cutoff");
     assert_eq!(found, expected);
