@@ -25,4 +25,5 @@ pub mod snapshot;
 pub mod start;
 pub mod state;
 pub mod system;
+pub mod tensor;
 pub mod vector;

@@ -4,6 +4,7 @@
 
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
+use crate::tensor::{AXES, SymmetricTensor};
 use crate::vector::{Vector, ZERO, dot};
 use serde::{Deserialize, Serialize};
 
@@ -105,6 +106,12 @@ impl Particles {
     /// Twice the kinetic energy, Σ p²/m.
     pub fn twice_kinetic_energy(&self, workers: Workers) -> f64 {
         workers.sum(self.count(), |k| dot(self.momentum[k], self.momentum[k]) * self.inverse_mass[k])
+    }
+
+    /// Σ p_a p_b/m.
+    pub fn kinetic_stress(&self, workers: Workers) -> SymmetricTensor {
+        let term = |[a, b]: [usize; 2], k: usize| self.momentum[k][a] * self.momentum[k][b] * self.inverse_mass[k];
+        SymmetricTensor(AXES.map(|axes| workers.sum(self.count(), |k| term(axes, k))))
     }
 
     /// Whether the columns fit together: equal lengths, every id once, known species, finite numbers.

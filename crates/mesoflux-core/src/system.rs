@@ -8,7 +8,8 @@ use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
 use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
 use crate::pair::{
-    PairNoise, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_sums, velocity_dependent_forces,
+    PairNoise, PairStress, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_stress, pair_sums,
+    velocity_dependent_forces,
 };
 use crate::state::Particles;
 use crate::vector::{Vector, add_scaled, dot};
@@ -250,6 +251,18 @@ impl System {
     /// Lets the pair thermostat sweep once over all pairs; returns the expected change of the flux, and ξ.
     pub(crate) fn sweep(&mut self, sweep: &Sweep, constraint: Option<&Constraint>) -> (f64, Option<f64>) {
         self.update_contacts();
+        self.update_velocities();
+        let Self { particles, velocity, workers, .. } = self;
+        let expected = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
+        let multiplier = self.set_momenta(constraint, |system, k, _| {
+            let (velocity, inverse_mass) = (system.velocity[k].vector(), system.particles.inverse_mass[k]);
+            velocity.map(|v| v / inverse_mass)
+        });
+        (expected, multiplier)
+    }
+
+    /// Brings the rows of velocities up to date with the momenta.
+    fn update_velocities(&mut self) {
         let Self { particles, velocity, workers, .. } = self;
         velocity.resize(particles.count(), Row::default());
         workers.for_each_chunk(velocity, |offset, rows| {
@@ -257,12 +270,6 @@ impl System {
                 *row = Row::new(particles.velocity(offset + k), 0.0);
             }
         });
-        let expected = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
-        let multiplier = self.set_momenta(constraint, |system, k, _| {
-            let (velocity, inverse_mass) = (system.velocity[k].vector(), system.particles.inverse_mass[k]);
-            velocity.map(|v| v / inverse_mass)
-        });
-        (expected, multiplier)
     }
 
     /// Gives every particle a new momentum, which may follow from its old one, on the constraint if there is one: p = p' + ξF with ξ = (r − G·p')/(F·G) (Wu & Shang,
@@ -294,6 +301,15 @@ impl System {
         self.update_contacts();
         pair_sums(&self.list, &self.interactions, &self.particles, self.workers)
             + self.topology.sums(&self.particles, &self.region)
+    }
+
+    /// The stress of pairs and bonds at the present positions and momenta, without noise.
+    pub fn pair_stress(&mut self) -> PairStress {
+        self.update_contacts();
+        self.update_velocities();
+        let mut stress = pair_stress(&self.list, &self.interactions, Some(&self.velocity), None, self.workers);
+        stress.conservative += self.topology.stress(&self.particles, &self.region);
+        stress
     }
 
     /// The conservative forces of the last `update_forces`, in storage order; empty before the first.

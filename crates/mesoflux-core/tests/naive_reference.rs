@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::naive::Naive;
+use common::naive::{Matrix, Naive};
 use common::{Fluid, by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
 use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
@@ -13,6 +13,7 @@ use mesoflux_core::forcing::{ForcingField, ForcingKind};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{Change, FluxChange, Integrator, Schedule, Stroke};
 use mesoflux_core::noise::{NoiseKey, Purpose};
+use mesoflux_core::observable::Stress;
 use mesoflux_core::potential::Potential;
 use mesoflux_core::potential::harmonic::Harmonic;
 use mesoflux_core::potential::lennard_jones::Truncation;
@@ -21,6 +22,7 @@ use mesoflux_core::simulation::Simulation;
 use mesoflux_core::start::draw_momenta;
 use mesoflux_core::state::Particles;
 use mesoflux_core::system::System;
+use mesoflux_core::tensor::SymmetricTensor;
 use mesoflux_core::vector::{Vector, dot, subtract};
 use proptest::prelude::*;
 
@@ -97,6 +99,17 @@ fn same(engine: &[Vector], naive: &[Vector], tolerance: impl Fn(usize) -> f64) -
     for (k, (&a, &b)) in engine.iter().zip(naive).enumerate() {
         let d = subtract(a, b);
         prop_assert!(dot(d, d).sqrt() <= tolerance(k), "particle {}: {:?} against {:?}", k, a, b);
+    }
+    Ok(())
+}
+
+/// Component by component; `magnitude` is that of the terms.
+fn same_tensor(engine: &SymmetricTensor, naive: &Matrix, magnitude: f64) -> Result<(), TestCaseError> {
+    for (a, row) in naive.iter().enumerate() {
+        for (b, &expected) in row.iter().enumerate() {
+            let found = engine.component(a, b);
+            prop_assert!((found - expected).abs() <= 1e-12 * magnitude, "{}{}: {} against {}", a, b, found, expected);
+        }
     }
     Ok(())
 }
@@ -262,6 +275,19 @@ proptest! {
         let forces: Vec<Vector> = system.forces().iter().map(|row| row.vector()).collect();
         // A soft pair near its cutoff feels a small difference of numbers of order 25: that much rounding stays.
         same(&by_id(&system.particles, &forces), &expected, |k| 1e-12 * magnitude[k] + 1e-13)?;
+    }
+
+    #[test]
+    fn stress(law in 0usize..3, species in 1usize..3, bonds in 0usize..5, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
+        let mut system = bonded(random_system(law, species, shape, NoiseKey::new(&[seed])), exclusions(bonds));
+        let naive = Naive::of(&system);
+        let velocity: Vec<Vector> = naive.p.iter().zip(&naive.mass).map(|(p, m)| p.map(|p| p / m)).collect();
+        let (found, expected) = (Stress::of(&mut system), naive.stress(&velocity));
+        // Of some hundred terms, the largest ones cancel: 1e4 is their sum.
+        same_tensor(&found.kinetic, &expected.kinetic, 1e4)?;
+        same_tensor(&found.conservative, &expected.conservative, 1e4 + naive.forces().1.iter().sum::<f64>())?;
+        same_tensor(&found.dissipative, &expected.dissipative, 1e4)?;
+        same_tensor(&found.friction, &expected.friction, 1e4)?;
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::interactions::Exclusion;
 use crate::lanes::Row;
 use crate::pair::PairSums;
 use crate::state::Particles;
+use crate::tensor::SymmetricTensor;
 use crate::vector::{Vector, add_scaled, dot, subtract};
 use serde::{Deserialize, Serialize};
 
@@ -261,6 +262,18 @@ impl Topology {
             sums.laplacian -= 2.0 * (law.force_derivative(r) + 2.0 * force / r);
         });
         sums
+    }
+
+    /// Σ r f(r) e_a e_b over all bonds.
+    pub(crate) fn stress(&self, particles: &Particles, region: &PeriodicBox) -> SymmetricTensor {
+        let mut stress = SymmetricTensor::default();
+        self.for_each_bond(particles, region, |bond, _, d| {
+            let r = dot(d, d).sqrt();
+            if r > 0.0 {
+                stress += (self.laws[usize::from(bond.law)].force(r) / r) * SymmetricTensor::square(d);
+            }
+        });
+        stress
     }
 
     /// The first bond as long as it must not be: beyond its law, or so long that its nearest image is another.

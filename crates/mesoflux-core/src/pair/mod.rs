@@ -6,6 +6,7 @@ mod fused;
 mod measure;
 mod scatter;
 mod separations;
+mod stress;
 mod thermostat;
 
 /// The name of the kernels' arithmetic. All sets of vector instructions give the same bits, so that there is one name for all.
@@ -16,4 +17,5 @@ pub use contacts::Contacts;
 pub(crate) use contacts::PairLaw;
 pub use fused::{PairNoise, velocity_dependent_forces};
 pub use measure::{PairSums, dissipative_flux, pair_sums};
+pub use stress::{PairStress, pair_stress};
 pub use thermostat::{Sweep, ornstein_uhlenbeck_sweep};

@@ -11,6 +11,29 @@ use mesoflux_core::state::Particles;
 use mesoflux_core::system::System;
 use mesoflux_core::vector::{Vector, ZERO, add_scaled, dot, subtract};
 
+/// A tensor of second rank.
+pub type Matrix = [[f64; 3]; 3];
+
+/// Momentum flux, its parts apart.
+#[derive(Clone, Default, Debug)]
+pub struct Flux {
+    pub kinetic: Matrix,
+    pub conservative: Matrix,
+    pub dissipative: Matrix,
+    pub random: Matrix,
+    /// Σ Γ r² e_a² e_b².
+    pub friction: Matrix,
+}
+
+/// target += factor v_a v_b
+pub fn add_square(target: &mut Matrix, factor: f64, v: Vector) {
+    for a in 0..3 {
+        for b in 0..3 {
+            target[a][b] += factor * v[a] * v[b];
+        }
+    }
+}
+
 /// A state without any of the engine's machinery.
 #[derive(Clone)]
 pub struct Naive {
@@ -25,6 +48,8 @@ pub struct Naive {
     pub q: Vec<Vector>,
     pub p: Vec<Vector>,
     pub step: u64,
+    /// The time integral of the momentum flux since the beginning.
+    pub flux: Flux,
 }
 
 /// The number of bonds on the shortest way between every two particles (Floyd and Warshall).
@@ -60,6 +85,7 @@ impl Naive {
             q: unwrapped(system),
             p: by_id(particles, &particles.momentum),
             step: system.step,
+            flux: Flux::default(),
         }
     }
 
@@ -79,19 +105,41 @@ impl Naive {
         law.map_or(0.0, |law| law.strength(r))
     }
 
+    /// The conservative force between two particles, positive where it repels.
+    fn conservative_force(&self, i: usize, j: usize, r: f64) -> f64 {
+        let law = self.interactions.potentials.get(self.species[i], self.species[j]);
+        let felt = self.apart[i][j] > u32::from(self.topology.range().potential);
+        let joins = |bond: &&Bond| [(i, j), (j, i)].contains(&(bond.first as usize, bond.second as usize));
+        let bond = if self.apart[i][j] == 1 { self.topology.bonds().iter().find(joins) } else { None };
+        law.filter(|_| felt).map_or(0.0, |law| law.force(r))
+            + bond.map_or(0.0, |bond| self.topology.laws()[usize::from(bond.law)].force(r))
+    }
+
+    /// The momentum flux of this state for the given velocities of the pairs.
+    pub fn stress(&self, velocity: &[Vector]) -> Flux {
+        let mut flux = Flux::default();
+        for i in 0..self.q.len() {
+            add_square(&mut flux.kinetic, 1.0 / self.mass[i], self.p[i]);
+            for j in 0..i {
+                let (r, e) = self.separation(i, j);
+                let (force, strength) = (self.conservative_force(i, j, r), self.strength(i, j, r));
+                if force != 0.0 || strength != 0.0 {
+                    add_square(&mut flux.conservative, r * force, e);
+                    add_square(&mut flux.dissipative, -r * strength * dot(e, subtract(velocity[i], velocity[j])), e);
+                    add_square(&mut flux.friction, strength * r * r, e.map(|e| e * e));
+                }
+            }
+        }
+        flux
+    }
+
     /// Conservative forces, and for each particle the sum of their magnitudes.
     pub fn forces(&self) -> (Vec<Vector>, Vec<f64>) {
         let (mut force, mut magnitude) = (vec![ZERO; self.q.len()], vec![0.0; self.q.len()]);
         for i in 0..self.q.len() {
             for j in (0..self.q.len()).filter(|&j| j != i) {
                 let (r, e) = self.separation(i, j);
-                let law = self.interactions.potentials.get(self.species[i], self.species[j]);
-                let felt = self.apart[i][j] > u32::from(self.topology.range().potential);
-                let mut f = law.filter(|_| felt).map_or(0.0, |law| law.force(r));
-                let joins = |bond: &&Bond| [(i, j), (j, i)].contains(&(bond.first as usize, bond.second as usize));
-                if let Some(bond) = self.topology.bonds().iter().find(joins) {
-                    f += self.topology.laws()[usize::from(bond.law)].force(r);
-                }
+                let f = self.conservative_force(i, j, r);
                 add_scaled(&mut force[i], f, e);
                 magnitude[i] += f.abs();
             }
