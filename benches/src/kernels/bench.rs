@@ -104,7 +104,14 @@ impl Bench {
             }
             Kernel::Sweep => {
                 let backward = self.calls % 2 == 1;
-                let sweep = Sweep { temperature, time: time_step, noise: draw, backward, response: None };
+                let sweep = Sweep {
+                    temperature,
+                    time: time_step,
+                    noise: draw,
+                    backward,
+                    response: None,
+                    book_stress: false,
+                };
                 ornstein_uhlenbeck_sweep(list, interactions, &system.particles, velocity, &sweep, workers);
             }
             Kernel::Noise => pair_gaussians(draw, pairs, gaussians),

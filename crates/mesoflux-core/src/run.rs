@@ -1,6 +1,7 @@
 //! The driver of one run: equilibration, production, recorders at their cadence, and a word from outside at every step.
 
 use crate::driving::DrivenStep;
+use crate::observable::BookedStress;
 use crate::simulation::Simulation;
 use crate::system::SimulationError;
 
@@ -13,6 +14,13 @@ pub struct Moment<'a> {
     pub step: u64,
     /// Flux and forcing of the step just done, where a driving acts.
     pub driven: Option<DrivenStep>,
+}
+
+impl Moment<'_> {
+    /// The momentum flux of the step just done, over Δt, where the simulation books it.
+    pub fn stress(&self) -> Option<&BookedStress> {
+        self.simulation.booked_stress()
+    }
 }
 
 /// Takes samples along the production run.

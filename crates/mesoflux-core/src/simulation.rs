@@ -4,6 +4,8 @@ use crate::driving::{DrivenStep, Driving};
 use crate::forcing::ForcingError;
 use crate::integrate::{Integrator, Stroke};
 use crate::noise::NoiseKey;
+use crate::observable::BookedStress;
+use crate::pair::PairStress;
 use crate::snapshot::{Snapshot, SnapshotError};
 use crate::state::Column;
 use crate::system::{SimulationError, System};
@@ -32,6 +34,8 @@ pub struct SimulationSnapshot<'a> {
     pub system: Snapshot<'a>,
     /// Where velocity Verlet keeps its forces.
     pub velocity_verlet: Option<Column>,
+    /// The stress of these forces, where it is booked.
+    pub velocity_verlet_stress: Option<PairStress>,
 }
 
 /// A simulation under way.
@@ -43,6 +47,8 @@ pub struct Simulation {
     driving: Option<Box<dyn Driving>>,
     noise: NoiseKey,
     time_step: f64,
+    books_stress: bool,
+    booked: Option<BookedStress>,
 }
 
 impl Simulation {
@@ -67,16 +73,30 @@ impl Simulation {
             }
             driving.begin(&mut system)?;
         }
-        Ok(Self { system, integrator, driving, noise, time_step })
+        Ok(Self { system, integrator, driving, noise, time_step, books_stress: false, booked: None })
+    }
+
+    /// Whether every step from now on books the momentum flux that it makes; this costs time and changes no trajectory.
+    ///
+    /// Velocity Verlet kicks with a force twice, at the end of the step that worked it out and at the beginning of the next: its
+    /// first step books only if it is the very first, or if the step before has booked.
+    pub fn book_stress(&mut self, on: bool) {
+        self.books_stress = on;
+        self.booked = None;
+    }
+
+    /// The momentum flux of the last step, over Δt, if it was booked.
+    pub fn booked_stress(&self) -> Option<&BookedStress> {
+        self.booked.as_ref()
     }
 
     /// The whole state, between two steps.
     pub fn snapshot(&self) -> SimulationSnapshot<'_> {
-        let velocity_verlet = match &self.integrator {
-            Integrator::VelocityVerlet(scheme) => scheme.force_column(),
-            Integrator::Splitting(_) => None,
+        let (velocity_verlet, velocity_verlet_stress) = match &self.integrator {
+            Integrator::VelocityVerlet(scheme) => (scheme.force_column(), scheme.force_stress()),
+            Integrator::Splitting(_) => (None, None),
         };
-        SimulationSnapshot { system: self.system.snapshot(), velocity_verlet }
+        SimulationSnapshot { system: self.system.snapshot(), velocity_verlet, velocity_verlet_stress }
     }
 
     /// Goes on from a state that `snapshot` gave, to the same bits.
@@ -89,7 +109,7 @@ impl Simulation {
             (Integrator::VelocityVerlet(scheme), column)
                 if column.is_none_or(|column| self.system.particles.has_column(column)) =>
             {
-                scheme.resume(column);
+                scheme.resume(column, snapshot.velocity_verlet_stress);
                 Ok(())
             }
             (Integrator::Splitting(_), None) => Ok(()),
@@ -104,6 +124,7 @@ impl Simulation {
     /// # Errors
     /// A state that is no longer finite.
     pub fn step(&mut self) -> Result<Option<DrivenStep>, SimulationError> {
+        self.system.booked = self.books_stress.then(BookedStress::default);
         match &mut self.integrator {
             Integrator::VelocityVerlet(scheme) => scheme.step(&mut self.system, self.noise, self.time_step)?,
             Integrator::Splitting(schedule) => {
@@ -123,6 +144,7 @@ impl Simulation {
         }
         self.system.step += 1;
         let time_step = self.time_step;
+        self.booked = self.system.booked.take().map(|booked| booked.scaled(1.0 / time_step));
         Ok(self.driving.as_mut().map(|driving| driving.end_step(&self.system, time_step)))
     }
 

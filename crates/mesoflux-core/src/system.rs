@@ -7,11 +7,13 @@ use crate::integrate::Constraint;
 use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
 use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
+use crate::observable::BookedStress;
 use crate::pair::{
     PairNoise, PairStress, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_stress, pair_sums,
     velocity_dependent_forces,
 };
 use crate::state::Particles;
+use crate::tensor::SymmetricTensor;
 use crate::vector::{Vector, add_scaled, dot};
 
 /// A simulation that failed numerically.
@@ -90,6 +92,10 @@ pub struct System {
     velocity: Vec<Row>,
     contacts_current: bool,
     forces_current: bool,
+    /// The conservative stress at the present positions, once it was asked for.
+    conservative_stress: Option<SymmetricTensor>,
+    /// The momentum flux since the beginning of the step, where it is booked.
+    pub(crate) booked: Option<BookedStress>,
     layout: u64,
 }
 
@@ -118,6 +124,8 @@ impl System {
             velocity: Vec::new(),
             contacts_current: false,
             forces_current: false,
+            conservative_stress: None,
+            booked: None,
             layout: 0,
         };
         system.rebuild();
@@ -158,6 +166,7 @@ impl System {
     pub(crate) fn follow_positions(&mut self) -> Result<(), SimulationError> {
         self.contacts_current = false;
         self.forces_current = false;
+        self.conservative_stress = None;
         if self.list.is_spent(&self.particles, self.workers) {
             let limit = 0.5 * self.region.shortest_side();
             let distance = self.list.largest_displacement(&self.particles, self.workers);
@@ -178,6 +187,7 @@ impl System {
         self.topology.follow(&self.particles.id);
         self.contacts_current = false;
         self.forces_current = false;
+        self.conservative_stress = None;
         self.layout += 1;
     }
 
@@ -253,12 +263,16 @@ impl System {
         self.update_contacts();
         self.update_velocities();
         let Self { particles, velocity, workers, .. } = self;
-        let expected = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
+        let sums = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
+        if let Some(booked) = &mut self.booked {
+            booked.dissipative += sums.dissipative;
+            booked.random += sums.random;
+        }
         let multiplier = self.set_momenta(constraint, |system, k, _| {
             let (velocity, inverse_mass) = (system.velocity[k].vector(), system.particles.inverse_mass[k]);
             velocity.map(|v| v / inverse_mass)
         });
-        (expected, multiplier)
+        (sums.flux, multiplier)
     }
 
     /// Brings the rows of velocities up to date with the momenta.
@@ -305,11 +319,38 @@ impl System {
 
     /// The stress of pairs and bonds at the present positions and momenta, without noise.
     pub fn pair_stress(&mut self) -> PairStress {
-        self.update_contacts();
         self.update_velocities();
-        let mut stress = pair_stress(&self.list, &self.interactions, Some(&self.velocity), None, self.workers);
+        let velocity = std::mem::take(&mut self.velocity);
+        let stress = self.pair_stress_of(Some(&velocity), None);
+        self.velocity = velocity;
+        stress
+    }
+
+    /// The stress of pairs and bonds at the present positions: see `pair::pair_stress`.
+    pub(crate) fn pair_stress_of(&mut self, velocity: Option<&[Row]>, noise: Option<&PairNoise>) -> PairStress {
+        self.update_contacts();
+        let mut stress = pair_stress(&self.list, &self.interactions, velocity, noise, self.workers);
         stress.conservative += self.topology.stress(&self.particles, &self.region);
         stress
+    }
+
+    /// Books the momentum flux of a free flight over a time, where it is booked.
+    pub(crate) fn book_flight(&mut self, time: f64) {
+        if let Some(booked) = &mut self.booked {
+            booked.kinetic += time * self.particles.kinetic_stress(self.workers);
+        }
+    }
+
+    /// Books the momentum flux of the conservative forces over a time, where it is booked.
+    pub(crate) fn book_conservative(&mut self, time: f64) {
+        if self.booked.is_some() {
+            let stress = match self.conservative_stress {
+                Some(stress) => stress,
+                None => self.pair_stress_of(None, None).conservative,
+            };
+            self.conservative_stress = Some(stress);
+            self.booked.get_or_insert_default().conservative += time * stress;
+        }
     }
 
     /// The conservative forces of the last `update_forces`, in storage order; empty before the first.

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::naive::{Matrix, Naive};
+use common::naive::{Flux, Matrix, Naive};
 use common::{Fluid, by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
 use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
@@ -13,7 +13,7 @@ use mesoflux_core::forcing::{ForcingField, ForcingKind};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{Change, FluxChange, Integrator, Schedule, Stroke};
 use mesoflux_core::noise::{NoiseKey, Purpose};
-use mesoflux_core::observable::Stress;
+use mesoflux_core::observable::{BookedStress, Stress};
 use mesoflux_core::potential::Potential;
 use mesoflux_core::potential::harmonic::Harmonic;
 use mesoflux_core::potential::lennard_jones::Truncation;
@@ -114,6 +114,17 @@ fn same_tensor(engine: &SymmetricTensor, naive: &Matrix, magnitude: f64) -> Resu
     Ok(())
 }
 
+/// Every part of the momentum flux of a time, `magnitude` being that of all impulses together.
+fn same_flux(engine: &BookedStress, time: f64, naive: &Flux, magnitude: f64) -> Result<(), TestCaseError> {
+    let parts = [
+        (engine.kinetic, naive.kinetic),
+        (engine.conservative, naive.conservative),
+        (engine.dissipative, naive.dissipative),
+        (engine.random, naive.random),
+    ];
+    parts.iter().try_for_each(|(engine, naive)| same_tensor(&(time * *engine), naive, magnitude))
+}
+
 /// The pairs that a sweep at the system's positions visits, in its order, by id.
 fn sweep_order(system: &mut System, backward: bool) -> Vec<(usize, usize)> {
     let id = system.particles.id.clone();
@@ -191,7 +202,9 @@ fn compare_steps(system: System, word: &str, drive: Drive, noise: NoiseKey) -> R
         naive.project(field, Drive::MAGNITUDE);
     }
     let mut simulation = Simulation::new(system, splitting(word), drive.driving(count), noise, dt).unwrap();
+    simulation.book_stress(true);
     for _ in 0..3 {
+        naive.flux = Flux::default();
         let orders = orders(&simulation.system, drive.driving(count), word, dt, noise);
         let driven = simulation.step().unwrap();
         let multiplier = naive_step(&mut naive, &schedule, drive, field.as_mut(), &orders, dt, noise)?;
@@ -200,6 +213,7 @@ fn compare_steps(system: System, word: &str, drive: Drive, noise: NoiseKey) -> R
         same(&unwrapped(&simulation.system), &naive.q, |_| 1e-11)?;
         let particles = &simulation.system.particles;
         same(&by_id(particles, &particles.momentum), &naive.p, |_| scale)?;
+        same_flux(simulation.booked_stress().unwrap(), dt, &naive.flux, 100.0 * sum)?;
         if let (Some(driven), Some(field)) = (driven, &mut field) {
             prop_assert!((driven.flux - naive.flux(field)).abs() <= 1e-10 * sum / (count as f64).sqrt());
             let tolerance = 1e-10 * (sum / dt).max(multiplier.abs());
@@ -313,8 +327,21 @@ proptest! {
         let system = bonded(random_system(law, species, shape, noise), exclusions(bonds));
         let mut naive = Naive::of(&system);
         let mut simulation = Simulation::new(system, velocity_verlet(), None, noise, 0.008).unwrap();
-        (0..3).for_each(|_| assert!(simulation.step().unwrap().is_none()));
+        simulation.book_stress(true);
+        let mut booked = [BookedStress::default(); 3];
+        for booked in &mut booked {
+            assert!(simulation.step().unwrap().is_none());
+            *booked = *simulation.booked_stress().unwrap();
+        }
         naive.velocity_verlet(3, 0.008, 0.5, noise);
+        let sum = |part: fn(&BookedStress) -> SymmetricTensor| part(&booked[0]) + part(&booked[1]) + part(&booked[2]);
+        let all = BookedStress {
+            kinetic: sum(|booked| booked.kinetic),
+            conservative: sum(|booked| booked.conservative),
+            dissipative: sum(|booked| booked.dissipative),
+            random: sum(|booked| booked.random),
+        };
+        same_flux(&all, 0.008, &naive.flux, 100.0 * naive.p.iter().map(|&p| dot(p, p).sqrt()).sum::<f64>())?;
         same(&unwrapped(&simulation.system), &naive.q, |_| 1e-11)?;
         let particles = &simulation.system.particles;
         same(&by_id(particles, &particles.momentum), &naive.p, |_| 1e-10)?;

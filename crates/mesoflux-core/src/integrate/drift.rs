@@ -14,6 +14,7 @@ impl Letter for Drift {
     }
 
     fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError> {
+        system.book_flight(stroke.time);
         let particles = &mut system.particles;
         let (momentum, inverse_mass) = (&particles.momentum, &particles.inverse_mass);
         system.workers.for_each_chunk(&mut particles.position, |offset, positions| {

@@ -15,6 +15,7 @@ impl Letter for Kick {
 
     fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError> {
         system.update_forces();
+        system.book_conservative(stroke.time);
         let multiplier = system.set_momenta(stroke.constraint.as_ref(), |system, k, mut momentum| {
             add_scaled(&mut momentum, stroke.time, system.forces()[k].vector());
             momentum

@@ -27,6 +27,7 @@ impl Letter for PairOrnsteinUhlenbeck {
             noise: stroke.noise.draw(Purpose::Pair, system.step, stroke.place),
             backward: stroke.backward,
             response: stroke.response,
+            book_stress: system.booked.is_some(),
         };
         let (expected, multiplier) = system.sweep(&sweep, stroke.constraint.as_ref());
         Ok(Change { flux: FluxChange::Expected(expected), multiplier })

@@ -2,7 +2,7 @@
 
 use crate::lanes::Row;
 use crate::noise::{NoiseKey, Purpose};
-use crate::pair::PairNoise;
+use crate::pair::{PairNoise, PairStress};
 use crate::state::Column;
 use crate::system::{SimulationError, System};
 use crate::vector::add_scaled;
@@ -17,13 +17,15 @@ pub struct VelocityVerlet {
     lambda: f64,
     /// The force of the last step, which follows the particles through every reordering.
     force: Option<Column>,
+    /// The stress of that force, where it is booked.
+    stress: Option<PairStress>,
     velocity: Vec<Row>,
 }
 
 impl VelocityVerlet {
     /// The scheme for kT and λ.
     pub fn new(temperature: f64, lambda: f64) -> Self {
-        Self { temperature, lambda, force: None, velocity: Vec::new() }
+        Self { temperature, lambda, force: None, stress: None, velocity: Vec::new() }
     }
 
     /// Where the scheme keeps its forces, once the first step is done.
@@ -31,12 +33,21 @@ impl VelocityVerlet {
         self.force
     }
 
-    /// Goes on with a column that came with a restored state.
-    pub fn resume(&mut self, force: Option<Column>) {
-        self.force = force;
+    /// The stress of these forces, if the last step booked it.
+    pub fn force_stress(&self) -> Option<PairStress> {
+        self.stress
+    }
+
+    /// Goes on with a column, and its stress, that came with a restored state.
+    pub fn resume(&mut self, force: Option<Column>, stress: Option<PairStress>) {
+        (self.force, self.stress) = (force, stress);
     }
 
     /// One step.
+    ///
+    /// It is a kick by ½Δt f, a free flight and a kick by ½Δt f': each kick books the stress of its force, the flight that of the
+    /// momenta between them. Where the stress of f isn't known, because nothing was booked when f was worked out, the step
+    /// books nothing.
     ///
     /// # Errors
     /// A state that is no longer finite.
@@ -46,6 +57,7 @@ impl VelocityVerlet {
             Some(column) => column,
             None => self.start(system, noise, time_step),
         };
+        let stress_known = self.stress.is_some();
         let particles = &mut system.particles;
         let force = std::mem::take(particles.column_mut(column));
         let (half, inverse_mass) = (0.5 * time_step, &particles.inverse_mass);
@@ -61,6 +73,8 @@ impl VelocityVerlet {
             },
         );
         *particles.column_mut(column) = force;
+        self.book_kick(system, half);
+        system.book_flight(time_step);
         system.positions_moved()?;
         self.evaluate(system, noise, time_step, column, (self.lambda - 0.5) * time_step, system.step + 1);
         let particles = &mut system.particles;
@@ -70,7 +84,20 @@ impl VelocityVerlet {
                 add_scaled(momentum, half, force);
             }
         });
+        self.book_kick(system, half);
+        if !stress_known {
+            system.booked = None;
+        }
         Ok(())
+    }
+
+    /// Books the flux of the force over a time, where fluxes are booked.
+    fn book_kick(&self, system: &mut System, time: f64) {
+        if let (Some(booked), Some(stress)) = (&mut system.booked, self.stress) {
+            booked.conservative += time * stress.conservative;
+            booked.dissipative += time * stress.dissipative;
+            booked.random += time * stress.random;
+        }
     }
 
     fn start(&mut self, system: &mut System, noise: NoiseKey, time_step: f64) -> Column {
@@ -101,5 +128,6 @@ impl VelocityVerlet {
             }
         });
         *system.particles.column_mut(column) = force;
+        self.stress = system.booked.is_some().then(|| system.pair_stress_of(Some(&self.velocity), Some(&noise)));
     }
 }

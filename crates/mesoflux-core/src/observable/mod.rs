@@ -3,5 +3,5 @@
 mod stress;
 mod thermodynamics;
 
-pub use stress::Stress;
+pub use stress::{BookedStress, Stress};
 pub use thermodynamics::{ObservableError, Thermodynamics, check_configurational_temperature, check_pressure};

@@ -23,6 +23,41 @@ pub struct Stress {
     pub friction: SymmetricTensor,
 }
 
+/// The momentum flux that a time step made, divided by Δt: what the letters did, not what a state makes expect.
+///
+/// Free flight carries Σ p_a p_b/m, an impulse ΔP e of a pair r ΔP e_a e_b. The sum of the four parts, times Δt, is to rounding
+/// what the step changed Σ_i x_a p_b by, where no pair looks across the faces of the box. Impulses of a driving are left out: they are no
+/// forces of pairs.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct BookedStress {
+    /// Of free flight.
+    pub kinetic: SymmetricTensor,
+    /// Of conservative forces, bonds with them.
+    pub conservative: SymmetricTensor,
+    /// Of the friction: the impulses expected given the state just before each pair was visited.
+    pub dissipative: SymmetricTensor,
+    /// Of the noise: the rest of these impulses, a martingale.
+    pub random: SymmetricTensor,
+}
+
+impl BookedStress {
+    /// The sum of all parts.
+    pub fn total(&self) -> SymmetricTensor {
+        self.kinetic + self.conservative + self.dissipative + self.random
+    }
+
+    /// Every part multiplied.
+    #[must_use]
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self {
+            kinetic: factor * self.kinetic,
+            conservative: factor * self.conservative,
+            dissipative: factor * self.dissipative,
+            random: factor * self.random,
+        }
+    }
+}
+
 impl Stress {
     /// Reads a system at its present positions and momenta.
     pub fn of(system: &mut System) -> Self {

@@ -18,4 +18,4 @@ pub(crate) use contacts::PairLaw;
 pub use fused::{PairNoise, velocity_dependent_forces};
 pub use measure::{PairSums, dissipative_flux, pair_sums};
 pub use stress::{PairStress, pair_stress};
-pub use thermostat::{Sweep, ornstein_uhlenbeck_sweep};
+pub use thermostat::{Sweep, SweepSums, ornstein_uhlenbeck_sweep};

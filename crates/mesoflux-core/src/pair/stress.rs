@@ -11,10 +11,11 @@ use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_produ
 use crate::neighbors::NeighborList;
 use crate::noise::PairNormals;
 use crate::tensor::SymmetricTensor;
+use serde::{Deserialize, Serialize};
 use std::ops::Add;
 
 /// Sums over all pairs of r F e_a e_b for the parts of the force F e on the first particle; extensive, not divided by V.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairStress {
     /// Σ r f(r) e_a e_b.
     pub conservative: SymmetricTensor,

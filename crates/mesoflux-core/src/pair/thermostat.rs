@@ -3,6 +3,7 @@
 use super::contacts::{Block, Contacts};
 use super::scatter::{BlockRows, Scatter};
 use super::separations::Separations;
+use super::stress::TensorLanes;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::friction::fluctuation_dissipation::ornstein_uhlenbeck;
@@ -11,6 +12,8 @@ use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, RowLanes, W
 use crate::neighbors::NeighborList;
 use crate::noise::{Draw, PairNormals};
 use crate::state::Particles;
+use crate::tensor::SymmetricTensor;
+use std::ops::Add;
 
 /// What a sweep does, beside the state it acts on.
 #[derive(Debug, Clone, Copy)]
@@ -25,13 +28,38 @@ pub struct Sweep<'a> {
     pub backward: bool,
     /// G of every particle, in storage order, where the flux G·p is to be followed.
     pub response: Option<&'a [Row]>,
+    /// Whether the stress of the impulses is to be summed.
+    pub book_stress: bool,
+}
+
+/// What a sweep did, as far as it was asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SweepSums {
+    /// The expected change of the flux G·p, Σ_pairs μ Δv^D e·(G_i − G_j).
+    pub flux: f64,
+    /// Σ_pairs r μ Δv^D e_a e_b: the expected impulses.
+    pub dissipative: SymmetricTensor,
+    /// Σ_pairs r μ Δv^R e_a e_b: those of the noise.
+    pub random: SymmetricTensor,
+}
+
+impl Add for SweepSums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            flux: self.flux + other.flux,
+            dissipative: self.dissipative + other.dissipative,
+            random: self.random + other.random,
+        }
+    }
 }
 
 /// Updates every pair with friction in turn: p_i += μ (Δv^D + Δv^R) e, p_j −= the same (Wu & Shang, eqs 27–29, 58–61).
 ///
 /// Works on rows of velocities, which the caller took from the momenta and takes back to them.
-/// Returns the expected change of the flux G·p, Σ_pairs μ Δv^D e·(G_i − G_j), each term given the state just before its pair
-/// is visited (zero without `response`). What remains of the change is the martingale of the noise.
+/// Each term of the expected sums is given the state just before its pair is visited. What remains of a change is the martingale
+/// of the noise.
 pub fn ornstein_uhlenbeck_sweep(
     list: &NeighborList,
     interactions: &Interactions,
@@ -39,13 +67,13 @@ pub fn ornstein_uhlenbeck_sweep(
     velocity: &mut [Row],
     sweep: &Sweep,
     workers: Workers,
-) -> f64 {
+) -> SweepSums {
     let (velocity, region, points) = (Scatter::new(velocity), list.region(), list.points());
     let instructions = InstructionSet::detect();
     let parts = list.sweep(sweep.backward, workers, |contacts| {
         instructions.run(BrickSweep { contacts, interactions, particles, region, sweep, velocity: &velocity, points })
     });
-    parts.into_iter().sum()
+    parts.into_iter().fold(SweepSums::default(), SweepSums::add)
 }
 
 /// The pairs of one brick.
@@ -72,6 +100,8 @@ struct Updates {
     shares: [BlockNumbers; 2],
     /// μ e·(G_i − G_j) times the decay: what the flux is expected to change by, for each unit of u.
     flux: BlockNumbers,
+    /// r times the impulse that goes with a unit of change.
+    arm: BlockNumbers,
 }
 
 /// Entries in an order, and for each the streams in an order: loops, not closures, to stay part of the kernel.
@@ -86,9 +116,9 @@ macro_rules! visit {
 }
 
 impl Updates {
-    /// The update of one contact; keeps u where it is needed for the flux.
+    /// The update of one contact; keeps u where flux or stress are followed.
     #[inline(always)]
-    fn apply<L: Lanes, const FLUX: bool, const EQUAL: bool>(
+    fn apply<L: Lanes, const FOLLOW: bool, const EQUAL: bool>(
         &self,
         velocity: &Scatter,
         s: usize,
@@ -101,7 +131,7 @@ impl Updates {
             let (mine, theirs) = (L::Row::load(v_i), L::Row::load(v_j));
             let e = L::Row::load(&raw const self.direction[s][k]);
             let u = mine.subtract(theirs).dot(e);
-            if FLUX {
+            if FOLLOW {
                 relative[s][k] = u;
             }
             let change = self.decay[s][k].mul_add(u, self.random[s][k]);
@@ -114,11 +144,11 @@ impl Updates {
 }
 
 impl Kernel for BrickSweep<'_> {
-    type Output = f64;
+    type Output = SweepSums;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> f64 {
-        match (self.sweep.response.is_some(), self.interactions.single_kind()) {
+    fn run<L: Lanes>(self) -> SweepSums {
+        match (self.sweep.response.is_some() || self.sweep.book_stress, self.interactions.single_kind()) {
             (true, true) => self.sweep::<L, true, true>(),
             (true, false) => self.sweep::<L, true, false>(),
             (false, true) => self.sweep::<L, false, true>(),
@@ -128,48 +158,56 @@ impl Kernel for BrickSweep<'_> {
 }
 
 impl BrickSweep<'_> {
-    /// The sweep, with or without the flux, of equal particles or others.
+    /// The sweep, with or without flux and stress, of equal particles or others.
     #[inline(always)]
-    fn sweep<L: Lanes, const FLUX: bool, const EQUAL: bool>(&self) -> f64 {
+    fn sweep<L: Lanes, const FOLLOW: bool, const EQUAL: bool>(&self) -> SweepSums {
         let Self { contacts, sweep, velocity, .. } = self;
         velocity.check(contacts);
         let mut updates = Updates::default();
         let mut u = BlockNumbers::default();
         let mut expected = L::splat(0.0);
+        let (mut dissipative, mut random) = (TensorLanes::<L>::zero(), TensorLanes::<L>::zero());
         for block in contacts.blocks(sweep.backward) {
             self.prepare::<L, EQUAL>(&block, &mut updates);
             let (depth, streams) = (block.depth.min(WIDTH), block.streams.min(WIDTH));
             match (streams == WIDTH, sweep.backward) {
                 (true, false) => {
-                    visit!(0..depth, 0..WIDTH, |s, k| updates.apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u))
+                    visit!(0..depth, 0..WIDTH, |s, k| updates.apply::<L, FOLLOW, EQUAL>(velocity, s, k, &mut u))
                 }
                 (true, true) => {
                     visit!((0..depth).rev(), (0..WIDTH).rev(), |s, k| updates
-                        .apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u));
+                        .apply::<L, FOLLOW, EQUAL>(velocity, s, k, &mut u));
                 }
                 (false, false) => {
-                    visit!(0..depth, 0..streams, |s, k| updates.apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u))
+                    visit!(0..depth, 0..streams, |s, k| updates.apply::<L, FOLLOW, EQUAL>(velocity, s, k, &mut u))
                 }
                 (false, true) => {
                     visit!((0..depth).rev(), (0..streams).rev(), |s, k| updates
-                        .apply::<L, FLUX, EQUAL>(velocity, s, k, &mut u));
+                        .apply::<L, FOLLOW, EQUAL>(velocity, s, k, &mut u));
                 }
             }
-            if FLUX {
+            if FOLLOW {
                 for s in 0..block.streams {
                     u[s][block.depth..].fill(0.0);
                     expected = L::load(&u[s]).mul_add(L::load(&updates.flux[s]), expected);
+                    if sweep.book_stress {
+                        updates.arm[s][block.depth..].fill(0.0);
+                        let (arm, direction) =
+                            (L::load(&updates.arm[s]), TensorLanes::square(updates.pairs.direction(s)));
+                        dissipative.add_scaled(arm * L::load(&updates.decay[s]) * L::load(&u[s]), &direction);
+                        random.add_scaled(arm * L::load(&updates.random[s]), &direction);
+                    }
                 }
             }
         }
-        expected.sum()
+        SweepSums { flux: expected.sum(), dissipative: dissipative.sum(), random: random.sum() }
     }
 
     /// What the updates of a block's contacts need.
     #[inline(always)]
     fn prepare<L: Lanes, const EQUAL: bool>(&self, block: &Block, updates: &mut Updates) {
         let Self { contacts, interactions, particles, sweep, .. } = self;
-        let Updates { pairs, strength, normals, direction, decay, random, shares, flux } = updates;
+        let Updates { pairs, strength, normals, direction, decay, random, shares, flux, arm } = updates;
         pairs.update::<L>(contacts, block, self.points, self.region);
         contacts.by_kind::<L, _>(block, &interactions.frictions, &pairs.distance, strength);
         sweep.noise.pair_noise::<L>(block.streams, &pairs.ids, normals);
@@ -194,6 +232,9 @@ impl BrickSweep<'_> {
                 (w_j * reduced_mass).store(&mut shares[1][s]);
                 (update, reduced_mass)
             };
+            // Of equal masses decay and random part hold half of each change already.
+            let whole = if EQUAL { reduced_mass + reduced_mass } else { reduced_mass };
+            (L::load(&pairs.distance[s]) * whole).store(&mut arm[s]);
             let e = pairs.direction(s);
             L::rows(e, &mut direction[s]);
             if let Some(response) = sweep.response {

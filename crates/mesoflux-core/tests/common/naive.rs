@@ -155,14 +155,27 @@ impl Naive {
 
     pub fn drift(&mut self, t: f64) {
         for i in 0..self.q.len() {
+            add_square(&mut self.flux.kinetic, t / self.mass[i], self.p[i]);
             add_scaled(&mut self.q[i], t / self.mass[i], self.p[i]);
         }
     }
 
     pub fn kick(&mut self, t: f64) {
+        self.book_conservative(t);
         let force = self.forces().0;
         for (p, f) in self.p.iter_mut().zip(force) {
             add_scaled(p, t, f);
+        }
+    }
+
+    /// r F e e of all pairs, over a time.
+    fn book_conservative(&mut self, t: f64) {
+        for i in 0..self.q.len() {
+            for j in 0..i {
+                let (r, e) = self.separation(i, j);
+                let force = self.conservative_force(i, j, r);
+                add_square(&mut self.flux.conservative, t * r * force, e);
+            }
         }
     }
 
@@ -177,6 +190,8 @@ impl Naive {
             let dv = u * (-tau * t).exp_m1();
             let noise = (self.temperature / reduced * -(-2.0 * tau * t).exp_m1()).sqrt();
             let dv_random = noise * draw.pair_gaussian(i as u64, j as u64);
+            add_square(&mut self.flux.dissipative, r * reduced * dv, e);
+            add_square(&mut self.flux.random, r * reduced * dv_random, e);
             for (k, sign) in [(i, 1.0), (j, -1.0)] {
                 add_scaled(&mut self.p[k], sign * reduced * (dv + dv_random), e);
                 add_scaled(&mut dissipative[k], sign * reduced * dv, e);
@@ -185,8 +200,9 @@ impl Naive {
         dissipative
     }
 
-    /// Groot and Warren's total force at the given velocities, with the noise of `step`.
-    fn total_force(&self, velocity: &[Vector], dt: f64, noise: NoiseKey, step: u64) -> Vec<Vector> {
+    /// Groot and Warren's total force at the given velocities, with the noise of `step`; books its stress over `times` Δt.
+    fn total_force(&mut self, velocity: &[Vector], dt: f64, noise: NoiseKey, step: u64, times: f64) -> Vec<Vector> {
+        self.book_conservative(times * dt);
         let draw = noise.draw(Purpose::Pair, step, 0);
         let mut force = self.forces().0;
         for (i, j) in self.pairs() {
@@ -194,6 +210,8 @@ impl Naive {
             let strength = self.strength(i, j, r);
             let u = dot(e, subtract(velocity[i], velocity[j]));
             let random = (2.0 * strength * self.temperature / dt).sqrt() * draw.pair_gaussian(i as u64, j as u64);
+            add_square(&mut self.flux.dissipative, -times * dt * r * strength * u, e);
+            add_square(&mut self.flux.random, times * dt * r * random, e);
             add_scaled(&mut force[i], random - strength * u, e);
             add_scaled(&mut force[j], strength * u - random, e);
         }
@@ -204,17 +222,21 @@ impl Naive {
     pub fn velocity_verlet(&mut self, steps: u64, dt: f64, lambda: f64, noise: NoiseKey) {
         let over_mass =
             |p: &[Vector], mass: &[f64]| -> Vec<Vector> { p.iter().zip(mass).map(|(p, m)| p.map(|p| p / m)).collect() };
-        let mut force = self.total_force(&over_mass(&self.p, &self.mass), dt, noise, self.step);
-        for _ in 0..steps {
+        let mut force = self.total_force(&over_mass(&self.p, &self.mass), dt, noise, self.step, 0.5);
+        for step in 1..=steps {
             let mut predicted = self.p.clone();
             for i in 0..self.q.len() {
                 add_scaled(&mut self.q[i], dt / self.mass[i], self.p[i]);
                 add_scaled(&mut self.q[i], 0.5 * dt * dt / self.mass[i], force[i]);
                 add_scaled(&mut predicted[i], lambda * dt, force[i]);
                 add_scaled(&mut self.p[i], 0.5 * dt, force[i]);
+                // The way of the step is Δt times the momentum between its two kicks.
+                add_square(&mut self.flux.kinetic, dt / self.mass[i], self.p[i]);
             }
             self.step += 1;
-            force = self.total_force(&over_mass(&predicted, &self.mass), dt, noise, self.step);
+            // The force of the last step has kicked only once so far.
+            let times = if step == steps { 0.5 } else { 1.0 };
+            force = self.total_force(&over_mass(&predicted, &self.mass), dt, noise, self.step, times);
             for (p, &f) in self.p.iter_mut().zip(&force) {
                 add_scaled(p, 0.5 * dt, f);
             }
