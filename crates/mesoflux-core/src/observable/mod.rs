@@ -1,5 +1,9 @@
 //! Instantaneous quantities, read from a system without changing its trajectory.
 
+mod radial_distribution;
+mod structure_factor;
 mod thermodynamics;
 
+pub use radial_distribution::{RadialBins, pairs_of_species};
+pub use structure_factor::{Shell, shells, structure_factors};
 pub use thermodynamics::{ObservableError, Thermodynamics, check_configurational_temperature, check_pressure};
