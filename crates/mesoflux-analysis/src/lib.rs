@@ -7,6 +7,7 @@
 //! - [`Blocking`]: mean, ratios and functions of correlated series;
 //! - [`MeanSquaredDisplacement`]: the curve and the diffusion coefficient;
 //! - [`fit_response`], [`fit_inverse_response`]: a transport coefficient from several points of a response curve;
+//! - [`polynomial_functionals`]: extrapolations as functionals of a series;
 //! - [`chi_squared_p_value`] and others: tests of distributions.
 //!
 //! ```
@@ -39,6 +40,7 @@ mod level;
 mod mean_squared_displacement;
 mod odd_polynomial;
 mod plateau;
+mod polynomial;
 mod response_curve;
 
 pub use blocking::Blocking;
@@ -51,4 +53,5 @@ pub use error::AnalysisError;
 pub use estimate::Estimate;
 pub use functional::BlockingLevel;
 pub use mean_squared_displacement::MeanSquaredDisplacement;
+pub use polynomial::polynomial_functionals;
 pub use response_curve::{OrderChoice, ResponseCurve, ResponsePoint, fit_inverse_response, fit_response};

@@ -40,6 +40,9 @@ pub struct Results {
     pub estimates: Vec<EstimateRecord>,
     /// Independent routes to the same quantity, against each other.
     pub comparisons: Vec<Comparison>,
+    /// Where the time step is checked, what each estimate owes to it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub time_step_check: Vec<TimeStepBias>,
 }
 
 /// Two routes of one measurement that share no run.
@@ -53,6 +56,57 @@ pub struct Comparison {
     pub z: Option<f64>,
     /// The sweep's values.
     pub conditions: Conditions,
+}
+
+/// One estimate at the time step Δt of the input against the same at Δt/2.
+#[derive(Debug, Clone, Serialize)]
+pub struct TimeStepBias {
+    /// The name of the measurement in the input.
+    pub measurement: String,
+    /// The quantity, in the field's terms.
+    pub quantity: &'static str,
+    /// How it was obtained.
+    pub method: &'static str,
+    /// The value at Δt; null where the estimator can't tell.
+    pub value: Option<f64>,
+    /// The value at Δt/2, from independent runs.
+    pub value_at_half: Option<f64>,
+    /// `value` − `value_at_half`: three quarters of the whole bias where it is of second order in Δt, half where of first.
+    pub bias: Option<f64>,
+    /// The standard error of `bias`.
+    pub standard_error: Option<f64>,
+    /// `bias` over its standard error.
+    pub z: Option<f64>,
+    /// The value at Δt = 0 if the bias is of second order: `value_at_half` − `bias`/3.
+    pub extrapolated: Option<f64>,
+    /// Its standard error.
+    pub extrapolated_standard_error: Option<f64>,
+    /// The sweep's values.
+    pub conditions: Conditions,
+}
+
+impl TimeStepBias {
+    /// What two estimates from independent runs tell.
+    pub fn new(record: &EstimateRecord, half: &EstimateRecord, conditions: Conditions) -> Self {
+        let errors = record.standard_error.zip(half.standard_error);
+        let values = record.value.zip(half.value);
+        let bias = values.map(|(value, half)| value - half);
+        let standard_error = errors.map(|(error, half)| error.hypot(half));
+        let finite = |number: &f64| number.is_finite();
+        Self {
+            measurement: record.measurement.clone(),
+            quantity: record.quantity,
+            method: record.method,
+            value: record.value,
+            value_at_half: half.value,
+            bias,
+            standard_error,
+            z: bias.zip(standard_error).map(|(bias, error)| bias / error).filter(finite),
+            extrapolated: values.map(|(value, half)| (4.0 * half - value) / 3.0),
+            extrapolated_standard_error: errors.map(|(error, half)| (4.0 * half).hypot(error) / 3.0),
+            conditions,
+        }
+    }
 }
 
 /// One run.
@@ -115,12 +169,28 @@ impl EstimateRecord {
     }
 }
 
-/// A table of numbers as CSV; the header names each column with its units.
-pub fn csv(header: &[&str], rows: &[Vec<f64>]) -> String {
-    let mut text = header.join(",") + "\n";
-    for row in rows {
-        text += &row.iter().map(|number| format!("{number:.12e}")).collect::<Vec<_>>().join(",");
-        text.push('\n');
+/// A table of numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The name of each column with its units, "time [t]".
+    pub header: Vec<String>,
+    /// As many numbers in each row.
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// A table of rows under a header.
+    pub fn new(header: impl IntoIterator<Item: Into<String>>, rows: Vec<Vec<f64>>) -> Self {
+        Self { header: header.into_iter().map(Into::into).collect(), rows }
     }
-    text
+
+    /// The table as CSV.
+    pub fn csv(&self) -> String {
+        let mut text = self.header.join(",") + "\n";
+        for row in &self.rows {
+            text += &row.iter().map(|number| format!("{number:.12e}")).collect::<Vec<_>>().join(",");
+            text.push('\n');
+        }
+        text
+    }
 }

@@ -3,9 +3,10 @@
 use crate::figure::Profile;
 use crate::job::{Finished, JobError, merged_records};
 use crate::plan::{Measurement, Plan, PointPlan, Task};
+use crate::route::Outcome;
 use mesoflux_analysis::Estimate;
 use mesoflux_io::input::Input;
-use mesoflux_io::results::{Comparison, EstimateRecord, Results, RunRecord, SCHEMA, csv};
+use mesoflux_io::results::{Comparison, EstimateRecord, Results, RunRecord, SCHEMA, TimeStepBias};
 
 /// What the clock and the command line add to the results.
 #[derive(Debug, Clone, Copy)]
@@ -37,35 +38,38 @@ pub fn answer(
 ) -> Result<Answer, JobError> {
     let mut estimates = Vec::new();
     let mut comparisons = Vec::new();
+    let mut time_step_check = Vec::new();
     let mut files = Vec::new();
+    let swept = plan.points.iter().filter(|point| point.checks.is_none()).count() > 1;
+    // Where each point's estimates begin.
+    let mut first = Vec::new();
     for (index, point) in plan.points.iter().enumerate() {
-        let first = estimates.len();
-        let suffix = if plan.points.len() > 1 { format!("-{}", index + 1) } else { String::new() };
+        let found = estimate(plan, finished, index)?;
+        if let Some(checked) = point.checks {
+            let conditions = &plan.points[checked].conditions;
+            let pairs = estimates[first[checked]..].iter().zip(&found);
+            time_step_check
+                .extend(pairs.map(|(record, (half, _))| TimeStepBias::new(record, half, conditions.clone())));
+            continue;
+        }
+        first.push(estimates.len());
+        let suffix = if swept { format!("-{}", index + 1) } else { String::new() };
         let mut profiles: Vec<Profile> = Vec::new();
-        for (place, measurement) in point.measurements.iter().enumerate() {
-            let failed = |source| JobError::Route { place: format!("measure.{}", measurement.name), source };
-            let mut record = blank(point, measurement);
-            record.particle_steps =
-                cost(plan, finished, |task| task.point == index && measurement.runs.contains(&task.run));
-            if let Some(records) = merged_records(plan, finished, index, place).map_err(failed)? {
-                let outcome = measurement.route.estimate(&point.input, &records).map_err(failed)?;
-                record.take(&outcome.estimate);
+        for (mut record, outcome) in found {
+            if let Some(outcome) = outcome {
                 Profile::collect(&mut profiles, &record, &outcome.response);
-                record.conditions.extend(outcome.conditions);
-                if let Some((header, rows)) = outcome.table {
-                    let name = format!("{}-{}{suffix}.csv", measurement.name, record.method);
-                    files.push((name.clone(), csv(&header, &rows)));
+                if let Some(table) = outcome.table {
+                    let name = format!("{}-{}{suffix}.csv", record.measurement, record.method);
+                    files.push((name.clone(), table.csv()));
                     record.table = Some(name);
                 }
-            } else {
-                record.warnings.push("its runs are not complete".to_owned());
             }
             estimates.push(record);
         }
         for profile in profiles.iter().filter(|profile| profile.is_worth_drawing()) {
             files.push((format!("{}{suffix}.svg", profile.measurement), profile.draw(&input.title)));
         }
-        comparisons.extend(compare(point, &estimates[first..]));
+        comparisons.extend(compare(point, &estimates[first[index]..]));
     }
     let particle_steps = cost(plan, finished, |_| true);
     let before: f64 = finished.iter().map(|run| particles(plan, run) * run.steps_before as f64).sum();
@@ -83,8 +87,33 @@ pub fn answer(
         runs: finished.iter().map(|finished| run_record(plan, finished)).collect(),
         estimates,
         comparisons,
+        time_step_check,
     };
     Ok(Answer { results, files })
+}
+
+/// What each measurement of a point comes to, with the outcome where its runs are all there.
+fn estimate(
+    plan: &Plan,
+    finished: &[Finished],
+    index: usize,
+) -> Result<Vec<(EstimateRecord, Option<Outcome>)>, JobError> {
+    let point = &plan.points[index];
+    let one = |(place, measurement): (usize, &Measurement)| {
+        let failed = |source| JobError::Route { place: format!("measure.{}", measurement.name), source };
+        let mut record = blank(point, measurement);
+        record.particle_steps =
+            cost(plan, finished, |task| task.point == index && measurement.runs.contains(&task.run));
+        let Some(records) = merged_records(plan, finished, index, place).map_err(failed)? else {
+            record.warnings.push("its runs are not complete".to_owned());
+            return Ok((record, None));
+        };
+        let outcome = measurement.route.estimate(&point.input, &records).map_err(failed)?;
+        record.take(&outcome.estimate);
+        record.conditions.extend(outcome.conditions.clone());
+        Ok((record, Some(outcome)))
+    };
+    point.measurements.iter().enumerate().map(one).collect()
 }
 
 /// Particles times steps that some runs have done, all replicas, equilibration included.

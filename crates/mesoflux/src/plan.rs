@@ -26,11 +26,14 @@ pub struct PointPlan {
     pub measurements: Vec<Measurement>,
     /// The different runs.
     pub runs: Vec<RunKind>,
+    /// The point of which this one is the check, with half its time step.
+    pub checks: Option<usize>,
 }
 
 /// A whole job.
 pub struct Plan {
-    /// Its points; one where nothing is swept.
+    /// Its points; one where nothing is swept. Those that check the time step of others come last, so that these are what they would
+    /// be without.
     pub points: Vec<PointPlan>,
 }
 
@@ -56,7 +59,13 @@ impl Plan {
             let conditions = point.values.iter().map(|(path, value)| (path.clone(), json(value))).collect();
             Ok(PointPlan::new(conditions, input))
         };
-        Ok(Self { points: file.sweep.points.iter().map(point).collect::<Result<_, _>>()? })
+        let mut points: Vec<PointPlan> = file.sweep.points.iter().map(point).collect::<Result<_, _>>()?;
+        if file.input.check.time_step.is_some() {
+            let halves: Vec<PointPlan> =
+                points.iter().enumerate().map(|(index, point)| point.at_half_time_step(index)).collect();
+            points.extend(halves);
+        }
+        Ok(Self { points })
     }
 
     /// Every replica of every run.
@@ -96,7 +105,15 @@ impl PointPlan {
         if runs.is_empty() {
             runs.push(RunKind::Equilibrium);
         }
-        Self { conditions, input, measurements, runs }
+        Self { conditions, input, measurements, runs, checks: None }
+    }
+
+    /// The same with half the time step, as the check of the point with this place in the plan.
+    fn at_half_time_step(&self, place: usize) -> Self {
+        let input = self.input.at_half_time_step();
+        let mut conditions = self.conditions.clone();
+        conditions.insert("dynamics.time_step".to_owned(), input.dynamics.time_step.into());
+        Self { checks: Some(place), ..Self::new(conditions, input) }
     }
 
     /// The measurements that use a run, by their places.

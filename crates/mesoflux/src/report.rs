@@ -52,12 +52,40 @@ pub fn table(results: &Results) -> String {
             let _ = writeln!(text, "{}{at}: {a} and {b} {verdict}, z = {z:.2}", comparison.measurement);
         }
     }
+    text += &time_step(results);
     for record in &results.estimates {
         for warning in &record.warnings {
             let _ = writeln!(text, "warning: {} by {}: {warning}", record.measurement, record.method);
         }
     }
     text + &remarks(results)
+}
+
+/// What each estimate owes to the time step, one line each.
+fn time_step(results: &Results) -> String {
+    let mut text = String::new();
+    for check in &results.time_step_check {
+        let at: String = check.conditions.iter().map(|(key, value)| format!(", {key} = {value}")).collect();
+        let _ = write!(text, "time step: {} by {}{at}: ", check.measurement, check.method);
+        let _ = match (check.bias, check.standard_error, check.z) {
+            (Some(bias), Some(error), Some(z)) => {
+                let verdict = if z.abs() <= 3.0 { "none seen" } else { "BIASED" };
+                let extrapolated = match (check.extrapolated, check.extrapolated_standard_error) {
+                    (Some(value), Some(error)) => {
+                        format!("; {} at zero, if of second order", value_with_error(value, error))
+                    }
+                    _ => String::new(),
+                };
+                writeln!(
+                    text,
+                    "{} less at half of it, {verdict}, z = {z:.2}{extrapolated}",
+                    value_with_error(bias, error)
+                )
+            }
+            _ => writeln!(text, "cannot tell"),
+        };
+    }
+    text
 }
 
 /// What a reader must know of how the runs went, one warning a line.

@@ -19,14 +19,21 @@ use mesoflux_io::input::{Input, Loaded, MomentaStart};
 
 /// The simulation of one task at its start.
 pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place: &str) -> Result<Simulation, JobError> {
-    let input = &point.input;
     let kind = &point.runs[task.run];
+    let compressed;
+    let input = match *kind {
+        RunKind::AtDensity { factor } => {
+            compressed = point.input.at_density(factor);
+            &compressed
+        }
+        _ => &point.input,
+    };
     let [route, forcing, strength] = kind.identity();
     let noise = NoiseKey::new(&[input.run.seed, task.point as u64, route, forcing, strength, task.replica]);
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let system = start(input, noise, workers, place)?;
     let driving: Option<Box<dyn Driving>> = match *kind {
-        RunKind::Equilibrium => None,
+        RunKind::Equilibrium | RunKind::AtDensity { .. } => None,
         RunKind::Nemd { forcing, magnitude } => {
             let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
             Some(Box::new(ConstantForce::new(forcing, magnitude)))

@@ -1,7 +1,11 @@
 //! Instantaneous quantities, read from a system without changing its trajectory.
 
+mod radial_distribution;
 mod stress;
+mod structure_factor;
 mod thermodynamics;
 
+pub use radial_distribution::{RadialBins, pairs_of_species};
 pub use stress::{BookedStress, Stress};
+pub use structure_factor::{Shell, shells, structure_factors};
 pub use thermodynamics::{ObservableError, Thermodynamics, check_configurational_temperature, check_pressure};

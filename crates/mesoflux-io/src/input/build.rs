@@ -174,5 +174,14 @@ impl Input {
         for msd in self.measure.values_mut().filter_map(|measure| measure.routes.msd.as_mut()) {
             msd.longest_lag = Some(msd.longest_lag(self.run.production_time));
         }
+        let asked = self.clone();
+        for routes in self.measure.values_mut().map(|measure| &mut measure.routes) {
+            if let Some(histogram) = &mut routes.histogram {
+                histogram.longest_distance = Some(asked.longest_distance(histogram));
+            }
+            if let Some(fluctuation) = &mut routes.fluctuation {
+                fluctuation.largest_wave_number = Some(asked.largest_wave_number(fluctuation));
+            }
+        }
     }
 }

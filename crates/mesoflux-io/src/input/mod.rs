@@ -7,6 +7,7 @@ mod document;
 mod molecules;
 mod routes;
 mod start;
+mod structure;
 mod sweep;
 mod validate;
 mod validate_measure;
@@ -17,6 +18,7 @@ pub use choice::Magnitudes;
 pub use document::{InputError, InputFile, Setting};
 pub use molecules::{BlockInput, BondInput, Chain, ExclusionsInput, MoleculeInput};
 pub use start::{FileStart, Files, Loaded, MomentaStart, StartInput};
+pub use structure::{DerivativeInput, DistributionInput, FluctuationInput};
 pub use sweep::{Point, Sweep};
 pub use validate::Invalid;
 
@@ -59,6 +61,9 @@ pub struct Input {
     /// What to measure, by a name of the user's choice.
     #[serde(default)]
     pub measure: BTreeMap<String, MeasureInput>,
+    /// What to check beside.
+    #[serde(default, skip_serializing_if = "CheckInput::is_none")]
+    pub check: CheckInput,
     /// Values to try in turn: the path of a key, as in this file, with an array of values. Several keys give all combinations.
     #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
     pub sweep: toml::Table,
@@ -215,6 +220,22 @@ impl RunInput {
     }
 }
 
+/// `[check]`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CheckInput {
+    /// `[check.time_step]`: everything once more with half the time step, in independent runs over the same times; the results
+    /// then say what each estimate owes to the time step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step: Option<Plain>,
+}
+
+impl CheckInput {
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// `[measure.NAME]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -224,7 +245,7 @@ pub struct MeasureInput {
     /// How the fluid is driven, for the routes that drive it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forcing: Option<ForcingKind>,
-    /// The ways to the quantity; several are a cross-check. A quantity with one way only needs none named.
+    /// The ways to the quantity; several are a cross-check. A quantity with one way only needs none named, the pressure takes the virial.
     #[serde(default)]
     pub routes: RoutesInput,
 }
@@ -245,6 +266,15 @@ pub enum Quantity {
     DiffusionCoefficient,
     /// The mobility, drift velocity over force.
     Mobility,
+    /// g(r), a table for every pair of species.
+    RadialDistribution,
+    /// κ_T = (∂ρ/∂P)_T/ρ.
+    IsothermalCompressibility,
+    /// The isothermal speed of sound, √(1/(ρ_m κ_T)) with ρ_m the mass density.
+    ///
+    /// A DPD fluid's energy is not conserved: the thermostat holds the temperature of every region, so that sound of long waves is
+    /// isothermal. An adiabatic speed there is none.
+    SoundSpeed,
 }
 
 /// `routes.…`.
@@ -272,6 +302,18 @@ pub struct RoutesInput {
     /// By a constant flux.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub norton: Option<NortonInput>,
+    /// By counting pairs in bins of distance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub histogram: Option<DistributionInput>,
+    /// From the radial distribution function.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radial_distribution: Option<Plain>,
+    /// From the pressure at neighboring densities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub derivative: Option<DerivativeInput>,
+    /// From the fluctuations of the density.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluctuation: Option<FluctuationInput>,
 }
 
 /// A route without parameters.

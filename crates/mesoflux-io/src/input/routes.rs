@@ -1,6 +1,6 @@
 //! Which routes lead to which quantity.
 
-use super::{MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput};
+use super::{DistributionInput, MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput};
 
 impl Quantity {
     /// The quantity's name in input and results.
@@ -12,6 +12,9 @@ impl Quantity {
             Self::PotentialEnergy => "potential_energy",
             Self::DiffusionCoefficient => "diffusion_coefficient",
             Self::Mobility => "mobility",
+            Self::RadialDistribution => "radial_distribution",
+            Self::IsothermalCompressibility => "isothermal_compressibility",
+            Self::SoundSpeed => "sound_speed",
         }
     }
 
@@ -20,14 +23,16 @@ impl Quantity {
         match self {
             Self::Temperature => &["kinetic"],
             Self::ConfigurationalTemperature => &["configurational"],
-            Self::Pressure => &["virial"],
+            Self::Pressure => &["virial", "radial_distribution"],
             Self::PotentialEnergy => &["direct"],
             Self::DiffusionCoefficient => &["msd"],
             Self::Mobility => &["msd", "nemd", "norton"],
+            Self::RadialDistribution => &["histogram"],
+            Self::IsothermalCompressibility | Self::SoundSpeed => &["derivative", "fluctuation"],
         }
     }
 
-    /// The routes asked for; where none is and there is but one, that one.
+    /// The routes asked for; where none is, the one that goes without saying, if there is one.
     #[must_use]
     pub fn default_routes(self, asked: &RoutesInput) -> RoutesInput {
         let mut routes = asked.clone();
@@ -38,7 +43,8 @@ impl Quantity {
                 Self::Pressure => routes.virial = Some(Plain {}),
                 Self::PotentialEnergy => routes.direct = Some(Plain {}),
                 Self::DiffusionCoefficient => routes.msd = Some(MeanSquaredDisplacementInput::default()),
-                Self::Mobility => {}
+                Self::RadialDistribution => routes.histogram = Some(DistributionInput::default()),
+                Self::Mobility | Self::IsothermalCompressibility | Self::SoundSpeed => {}
             }
         }
         routes
@@ -56,6 +62,10 @@ impl RoutesInput {
             ("msd", self.msd.is_some()),
             ("nemd", self.nemd.is_some()),
             ("norton", self.norton.is_some()),
+            ("histogram", self.histogram.is_some()),
+            ("radial_distribution", self.radial_distribution.is_some()),
+            ("derivative", self.derivative.is_some()),
+            ("fluctuation", self.fluctuation.is_some()),
         ]
         .into_iter()
         .filter_map(|(name, asked)| asked.then_some(name))

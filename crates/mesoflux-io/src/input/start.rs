@@ -65,7 +65,7 @@ pub enum MomentaStart {
 }
 
 /// The particles of a file, with its names translated into those of the input.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Loaded {
     /// The file, as the input names it.
     pub path: String,

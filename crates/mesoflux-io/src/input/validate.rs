@@ -75,6 +75,9 @@ impl Input {
         self.validate_pairs()?;
         self.validate_dynamics()?;
         self.validate_run()?;
+        if self.check.time_step.is_some() {
+            self.at_half_time_step().validate_run()?;
+        }
         self.measure.iter().try_for_each(|(name, measure)| self.validate_measure(&format!("measure.{name}"), measure))
     }
 
@@ -153,7 +156,7 @@ impl Input {
     }
 
     /// No pair may meet in two images.
-    fn validate_box(&self) -> Result<(), Invalid> {
+    pub(super) fn validate_box(&self) -> Result<(), Invalid> {
         let region = self.region().map_err(|error| Invalid::new("system", "", error))?;
         let (cutoff, skin, side) = (self.interactions().cutoff(), self.skin(), region.shortest_side());
         let smallest = 2.0 * (cutoff + skin);

@@ -30,6 +30,9 @@ impl Input {
             Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
             _ => {}
         }
+        if routes.derivative.is_some() {
+            check_pressure(&laws).map_err(refused)?;
+        }
         if let Some(lag) = routes.msd.as_ref().and_then(|msd| msd.longest_lag) {
             number(&format!("{path}.routes.msd.longest_lag"), lag, Requirement::Positive)?;
             if lag > self.run.production_time {
@@ -40,6 +43,7 @@ impl Input {
                 ));
             }
         }
+        self.validate_structure(path, measure, &routes)?;
         self.validate_driving(path, measure, &routes)
     }
 

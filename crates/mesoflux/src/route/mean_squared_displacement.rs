@@ -5,7 +5,7 @@ use mesoflux_analysis::{AnalysisError, MeanSquaredDisplacement};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::vector::Vector;
 use mesoflux_io::input::{Input, MeanSquaredDisplacementInput};
-use mesoflux_io::results::Conditions;
+use mesoflux_io::results::{Conditions, Table};
 use mesoflux_io::stream;
 use std::io::{self, Write};
 
@@ -58,7 +58,7 @@ impl Route for MeanSquaredDisplacementRoute {
             .into_iter()
             .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
         let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
-        Ok(Outcome { estimate, conditions, table: Some((header, rows.collect())), response: Vec::new() })
+        Ok(Outcome { estimate, conditions, table: Some(Table::new(header, rows.collect())), response: Vec::new() })
     }
 }
 

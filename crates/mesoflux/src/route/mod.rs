@@ -1,20 +1,25 @@
 //! Routes: ways from runs to a coefficient, one file each. A route states the runs it needs and turns their records into an estimate.
 
 mod average;
+mod compressibility;
 mod configurational;
+mod fluctuation;
 mod mean_squared_displacement;
 mod nemd;
 mod norton;
+mod profile;
+mod radial_distribution;
 mod record;
 
 pub use record::{DrivenRecorder, Record};
 
+use compressibility::Wanted;
 use mesoflux_analysis::{AnalysisError, Estimate};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_core::observable::Thermodynamics;
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::{Input, MeasureInput, Quantity};
-use mesoflux_io::results::Conditions;
+use mesoflux_io::results::{Conditions, Table};
 use std::io::{self, Write};
 
 /// How a run is driven; runs that agree in it are the same run, whichever routes ask for them.
@@ -36,6 +41,11 @@ pub enum RunKind {
         /// r.
         flux: f64,
     },
+    /// Not at all, at another density.
+    AtDensity {
+        /// What the density of the input is multiplied by.
+        factor: f64,
+    },
 }
 
 impl RunKind {
@@ -45,15 +55,17 @@ impl RunKind {
             Self::Equilibrium => "equilibrium",
             Self::Nemd { .. } => "nemd",
             Self::Norton { .. } => "norton",
+            Self::AtDensity { .. } => "derivative",
         }
     }
 
-    /// The driving's strength, for the results.
+    /// The driving's strength, or what else tells it from others of its name, for the results.
     pub fn point(&self) -> Conditions {
         match *self {
             Self::Equilibrium => Conditions::new(),
             Self::Nemd { magnitude, .. } => Conditions::from([("magnitude".to_owned(), magnitude.into())]),
             Self::Norton { flux, .. } => Conditions::from([("flux".to_owned(), flux.into())]),
+            Self::AtDensity { factor } => Conditions::from([("density_factor".to_owned(), factor.into())]),
         }
     }
 
@@ -65,6 +77,7 @@ impl RunKind {
             Self::Equilibrium => [0, 0, 0],
             Self::Nemd { forcing, magnitude } => [1, forcing as u64, magnitude.to_bits()],
             Self::Norton { forcing, flux } => [2, forcing as u64, flux.to_bits()],
+            Self::AtDensity { factor } => [3, 0, factor.to_bits()],
         }
     }
 }
@@ -93,8 +106,8 @@ pub struct Outcome {
     pub estimate: Estimate,
     /// What was measured beside, or chosen: fit window, temperature, linearity.
     pub conditions: Conditions,
-    /// A table to write beside the results: header with units, and rows.
-    pub table: Option<(Vec<&'static str>, Vec<Vec<f64>>)>,
+    /// A table to write beside the results.
+    pub table: Option<Table>,
     /// Points of the response curve, for a route that drives the fluid.
     pub response: Vec<Response>,
 }
@@ -209,6 +222,20 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
             fluxes: norton.flux.0,
             check_forcing_observable: norton.check_forcing_observable,
         }));
+    }
+    if let Some(parameters) = asked.histogram {
+        routes.push(Box::new(radial_distribution::Histogram { parameters }));
+    }
+    if asked.radial_distribution.is_some() {
+        routes.push(Box::new(radial_distribution::PressureFromDistribution));
+    }
+    let sound = measure.quantity == Quantity::SoundSpeed;
+    let wanted = if sound { Wanted::SoundSpeed } else { Wanted::Compressibility };
+    if let Some(derivative) = asked.derivative {
+        routes.push(Box::new(compressibility::Derivative { wanted, density_steps: derivative.density_step.0 }));
+    }
+    if let Some(parameters) = asked.fluctuation {
+        routes.push(Box::new(fluctuation::Fluctuation { wanted, parameters }));
     }
     routes
 }

@@ -4,7 +4,7 @@ use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteR
 use mesoflux_analysis::{Estimate, OrderChoice, ResponseCurve, ResponsePoint, fit_response};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_io::input::Input;
-use mesoflux_io::results::Conditions;
+use mesoflux_io::results::{Conditions, Table};
 
 /// α from R(η) = αη + βη³ + …; with one magnitude α = R/η.
 pub(super) struct Nemd {
@@ -38,7 +38,7 @@ impl Route for Nemd {
             conditions.insert("magnitude".to_owned(), magnitude.into());
         }
         let header = vec!["magnitude [f]", "flux [v]", "standard_error [v]", "kinetic_temperature [e]"];
-        let table = Some((header, rows(&points, records)?));
+        let table = Some(Table::new(header, rows(&points, records)?));
         let response = points.iter().map(|p| Response { forcing: (p.x, 0.0), flux: (p.y, p.standard_error) }).collect();
         Ok(Outcome { estimate: curve.coefficient, conditions, table, response })
     }

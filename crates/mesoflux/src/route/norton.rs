@@ -5,6 +5,7 @@ use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteR
 use mesoflux_analysis::{Estimate, OrderChoice, fit_inverse_response};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_io::input::Input;
+use mesoflux_io::results::Table;
 
 /// α from λ(r) = r/α + c r³ + …; with one flux α = r/⟨λ⟩, the error by the delta method.
 pub(super) struct Norton {
@@ -52,6 +53,6 @@ impl Route for Norton {
             }
         }
         let response = points.iter().map(|p| Response { forcing: (p.y, p.standard_error), flux: (p.x, 0.0) }).collect();
-        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some((header, rows)), response })
+        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some(Table::new(header, rows)), response })
     }
 }

@@ -14,6 +14,8 @@ pub enum Record {
     Series(Blocking),
     /// Mean squared displacements.
     Displacement(MeanSquaredDisplacement),
+    /// Series of their own, one for each number of a profile.
+    Profile(Vec<Blocking>),
 }
 
 impl Record {
@@ -25,6 +27,9 @@ impl Record {
         match (self, other) {
             (Self::Series(mine), Self::Series(theirs)) => Ok(mine.merge(theirs)?),
             (Self::Displacement(mine), Self::Displacement(theirs)) => Ok(mine.merge(theirs)?),
+            (Self::Profile(mine), Self::Profile(theirs)) if mine.len() == theirs.len() => {
+                Ok(mine.iter_mut().zip(theirs).try_for_each(|(mine, theirs)| mine.merge(theirs))?)
+            }
             _ => Err(RouteError::WrongRecord),
         }
     }
@@ -36,7 +41,7 @@ impl Record {
     pub fn series(&self) -> Result<&Blocking, RouteError> {
         match self {
             Self::Series(series) => Ok(series),
-            Self::Displacement(_) => Err(RouteError::WrongRecord),
+            Self::Displacement(_) | Self::Profile(_) => Err(RouteError::WrongRecord),
         }
     }
 }
