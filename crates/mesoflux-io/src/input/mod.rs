@@ -245,7 +245,10 @@ pub struct MeasureInput {
     /// How the fluid is driven, for the routes that drive it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forcing: Option<ForcingKind>,
-    /// The ways to the quantity; several are a cross-check. A quantity with one way only needs none named, the pressure takes the virial.
+    /// Whose fluctuations are measured, for quantities that belong to an observable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observable: Option<Observable>,
+    /// The ways to the quantity; several are a cross-check. Most quantities have one that is taken where none is named.
     #[serde(default)]
     pub routes: RoutesInput,
 }
@@ -275,6 +278,30 @@ pub enum Quantity {
     /// A DPD fluid's energy is not conserved: the thermostat holds the temperature of every region, so that sound of long waves is
     /// isothermal. An adiabatic speed there is none.
     SoundSpeed,
+    /// The shear viscosity η.
+    ShearViscosity,
+    /// The bulk viscosity ζ.
+    BulkViscosity,
+    /// The integrated autocorrelation time τ = ∫₀^∞ C(t)/C(0) dt of an observable.
+    CorrelationTime,
+    /// The asymptotic variance σ² = 2∫₀^∞ C(t) dt of an observable: the squared error of its mean over a long time T is σ²/T.
+    AsymptoticVariance,
+    /// The probability density of an observable.
+    ProbabilityDensity,
+}
+
+/// Observables whose fluctuations can be measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Observable {
+    /// kT from the momenta.
+    Temperature,
+    /// The pressure by the virial.
+    Pressure,
+    /// The potential energy of the whole system.
+    PotentialEnergy,
+    /// The stress σ_xy, its kinetic and conservative parts.
+    ShearStress,
 }
 
 /// `routes.…`.
@@ -296,6 +323,27 @@ pub struct RoutesInput {
     /// From the mean squared displacement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub msd: Option<MeanSquaredDisplacementInput>,
+    /// From the autocorrelation of the velocities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vacf: Option<CorrelationInput>,
+    /// From the correlation of the stress, without its noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub green_kubo: Option<CorrelationInput>,
+    /// From the autocorrelation of the stress with its noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub green_kubo_total_stress: Option<CorrelationInput>,
+    /// From the mean squared displacement of the Helfand moment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub einstein_helfand: Option<CorrelationInput>,
+    /// From the decay of transverse currents, extrapolated to zero wavenumber.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transverse_current: Option<TransverseCurrentInput>,
+    /// From blocks of growing length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocking: Option<Plain>,
+    /// From the autocorrelation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<CorrelationInput>,
     /// By a constant force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nemd: Option<NemdInput>,
@@ -328,6 +376,36 @@ pub struct MeanSquaredDisplacementInput {
     /// The longest time over which displacements are followed; a twentieth of the production time if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_lag: Option<f64>,
+}
+
+/// A route by a correlation in time.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CorrelationInput {
+    /// Steps between two samples; follows from the time in which the correlation decays if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample_interval: Option<u64>,
+    /// The longest lag that is looked at; as long as the data allow if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longest_lag: Option<f64>,
+}
+
+/// `routes.transverse_current`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TransverseCurrentInput {
+    /// How many wavenumbers 2πn/L, n = 1, 2, …, along each axis.
+    #[serde(default = "TransverseCurrentInput::default_wavenumbers")]
+    pub wavenumbers: u32,
+    /// Steps between two samples; follows from the time in which the correlation decays if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample_interval: Option<u64>,
+}
+
+impl TransverseCurrentInput {
+    fn default_wavenumbers() -> u32 {
+        3
+    }
 }
 
 /// `routes.nemd`.

@@ -1,6 +1,6 @@
 //! Which routes lead to which quantity.
 
-use super::{DistributionInput, MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput};
+use super::{CorrelationInput, DistributionInput, MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput};
 
 impl Quantity {
     /// The quantity's name in input and results.
@@ -15,6 +15,11 @@ impl Quantity {
             Self::RadialDistribution => "radial_distribution",
             Self::IsothermalCompressibility => "isothermal_compressibility",
             Self::SoundSpeed => "sound_speed",
+            Self::ShearViscosity => "shear_viscosity",
+            Self::BulkViscosity => "bulk_viscosity",
+            Self::CorrelationTime => "correlation_time",
+            Self::AsymptoticVariance => "asymptotic_variance",
+            Self::ProbabilityDensity => "probability_density",
         }
     }
 
@@ -24,12 +29,22 @@ impl Quantity {
             Self::Temperature => &["kinetic"],
             Self::ConfigurationalTemperature => &["configurational"],
             Self::Pressure => &["virial", "radial_distribution"],
-            Self::PotentialEnergy => &["direct"],
-            Self::DiffusionCoefficient => &["msd"],
+            Self::PotentialEnergy | Self::ProbabilityDensity => &["direct"],
+            Self::DiffusionCoefficient => &["msd", "vacf"],
             Self::Mobility => &["msd", "nemd", "norton"],
             Self::RadialDistribution => &["histogram"],
             Self::IsothermalCompressibility | Self::SoundSpeed => &["derivative", "fluctuation"],
+            Self::ShearViscosity => {
+                &["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current"]
+            }
+            Self::BulkViscosity => &["green_kubo", "green_kubo_total_stress"],
+            Self::CorrelationTime | Self::AsymptoticVariance => &["blocking", "correlation"],
         }
+    }
+
+    /// Whether the quantity belongs to an observable that must be named.
+    pub fn needs_observable(self) -> bool {
+        matches!(self, Self::CorrelationTime | Self::AsymptoticVariance | Self::ProbabilityDensity)
     }
 
     /// The routes asked for; where none is, the one that goes without saying, if there is one.
@@ -41,10 +56,14 @@ impl Quantity {
                 Self::Temperature => routes.kinetic = Some(Plain {}),
                 Self::ConfigurationalTemperature => routes.configurational = Some(Plain {}),
                 Self::Pressure => routes.virial = Some(Plain {}),
-                Self::PotentialEnergy => routes.direct = Some(Plain {}),
+                Self::PotentialEnergy | Self::ProbabilityDensity => routes.direct = Some(Plain {}),
                 Self::DiffusionCoefficient => routes.msd = Some(MeanSquaredDisplacementInput::default()),
                 Self::RadialDistribution => routes.histogram = Some(DistributionInput::default()),
-                Self::Mobility | Self::IsothermalCompressibility | Self::SoundSpeed => {}
+                Self::BulkViscosity => routes.green_kubo = Some(CorrelationInput::default()),
+                Self::CorrelationTime | Self::AsymptoticVariance => {
+                    routes.correlation = Some(CorrelationInput::default());
+                }
+                Self::Mobility | Self::ShearViscosity | Self::IsothermalCompressibility | Self::SoundSpeed => {}
             }
         }
         routes
@@ -60,6 +79,13 @@ impl RoutesInput {
             ("virial", self.virial.is_some()),
             ("direct", self.direct.is_some()),
             ("msd", self.msd.is_some()),
+            ("vacf", self.vacf.is_some()),
+            ("green_kubo", self.green_kubo.is_some()),
+            ("green_kubo_total_stress", self.green_kubo_total_stress.is_some()),
+            ("einstein_helfand", self.einstein_helfand.is_some()),
+            ("transverse_current", self.transverse_current.is_some()),
+            ("blocking", self.blocking.is_some()),
+            ("correlation", self.correlation.is_some()),
             ("nemd", self.nemd.is_some()),
             ("norton", self.norton.is_some()),
             ("histogram", self.histogram.is_some()),
@@ -70,6 +96,34 @@ impl RoutesInput {
         .into_iter()
         .filter_map(|(name, asked)| asked.then_some(name))
         .collect()
+    }
+}
+
+impl RoutesInput {
+    /// The routes by a correlation in time.
+    fn correlations(&self) -> [(&'static str, Option<CorrelationInput>); 5] {
+        [
+            ("vacf", self.vacf),
+            ("green_kubo", self.green_kubo),
+            ("green_kubo_total_stress", self.green_kubo_total_stress),
+            ("einstein_helfand", self.einstein_helfand),
+            ("correlation", self.correlation),
+        ]
+    }
+
+    /// The longest lags that are given, by route.
+    pub(super) fn longest_lags(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let msd = self.msd.as_ref().and_then(|msd| msd.longest_lag).map(|lag| ("msd", lag));
+        let correlations = self.correlations().into_iter();
+        msd.into_iter().chain(correlations.filter_map(|(route, given)| Some((route, given?.longest_lag?))))
+    }
+
+    /// The intervals between samples that are given, by route.
+    pub(super) fn sample_intervals(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let currents = self.transverse_current.and_then(|given| given.sample_interval);
+        let correlations = self.correlations().into_iter();
+        let given = correlations.filter_map(|(route, given)| Some((route, given?.sample_interval?)));
+        given.chain(currents.map(|interval| ("transverse_current", interval)))
     }
 }
 

@@ -26,25 +26,51 @@ impl Input {
         let refused =
             |error: mesoflux_core::observable::ObservableError| Invalid::new(format!("{path}.quantity"), "", error);
         match measure.quantity {
-            Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
+            Quantity::Pressure | Quantity::ShearViscosity | Quantity::BulkViscosity => {
+                check_pressure(&laws).map_err(refused)?;
+            }
             Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
             _ => {}
         }
         if routes.derivative.is_some() {
             check_pressure(&laws).map_err(refused)?;
         }
-        if let Some(lag) = routes.msd.as_ref().and_then(|msd| msd.longest_lag) {
-            number(&format!("{path}.routes.msd.longest_lag"), lag, Requirement::Positive)?;
-            if lag > self.run.production_time {
-                return Err(Invalid::new(
-                    format!("{path}.routes.msd.longest_lag"),
-                    written(lag),
-                    format!("must be at most the production time, {}", self.run.production_time),
-                ));
+        self.validate_structure(path, measure, &routes)?;
+        match (measure.quantity.needs_observable(), measure.observable) {
+            (true, None) => {
+                let requirement = "observable is missing: say of what, e.g. observable = \"pressure\"";
+                return Err(Invalid::new(path, "", requirement));
+            }
+            (false, Some(_)) => {
+                let requirement = format!("must be left out: {} belongs to no observable", measure.quantity.name());
+                return Err(Invalid::new(format!("{path}.observable"), "", requirement));
+            }
+            _ => {}
+        }
+        for (route, lag) in routes.longest_lags() {
+            self.validate_lag(&format!("{path}.routes.{route}.longest_lag"), lag)?;
+        }
+        let steps = self.steps(self.run.production_time);
+        for (route, interval) in routes.sample_intervals() {
+            if !(1..=steps).contains(&interval) {
+                let requirement = format!("must be at least 1 and at most the steps of production, {steps}");
+                return Err(Invalid::new(format!("{path}.routes.{route}.sample_interval"), interval, requirement));
             }
         }
-        self.validate_structure(path, measure, &routes)?;
+        if let Some(0) = routes.transverse_current.map(|route| route.wavenumbers) {
+            let place = format!("{path}.routes.transverse_current.wavenumbers");
+            return Err(Invalid::new(place, 0, "must be at least 1"));
+        }
         self.validate_driving(path, measure, &routes)
+    }
+
+    fn validate_lag(&self, path: &str, lag: f64) -> Result<(), Invalid> {
+        number(path, lag, Requirement::Positive)?;
+        if lag > self.run.production_time {
+            let requirement = format!("must be at most the production time, {}", self.run.production_time);
+            return Err(Invalid::new(path, written(lag), requirement));
+        }
+        Ok(())
     }
 
     fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {

@@ -3,17 +3,25 @@
 mod average;
 mod compressibility;
 mod configurational;
+mod correlation;
 mod fluctuation;
+mod green_kubo;
 mod mean_squared_displacement;
+mod memory;
 mod nemd;
 mod norton;
+mod observable;
 mod profile;
 mod radial_distribution;
 mod record;
+mod transverse_current;
+mod velocity_autocorrelation;
 
+pub use correlation::Correlations;
 pub use record::{DrivenRecorder, Record};
 
 use compressibility::Wanted;
+use green_kubo::Viscosity;
 use mesoflux_analysis::{AnalysisError, Estimate};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_core::observable::Thermodynamics;
@@ -168,6 +176,11 @@ pub trait Route: Send + Sync {
         vec![RunKind::Equilibrium]
     }
 
+    /// Whether its recorder needs the momentum flux of every step booked.
+    fn books_stress(&self) -> bool {
+        false
+    }
+
     /// A recorder for one replica of one of its runs.
     ///
     /// # Errors
@@ -212,6 +225,27 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
     if let Some(msd) = asked.msd {
         let mobility = measure.quantity == Quantity::Mobility;
         routes.push(Box::new(mean_squared_displacement::MeanSquaredDisplacementRoute { parameters: msd, mobility }));
+    }
+    if let Some(parameters) = asked.vacf {
+        routes.push(Box::new(velocity_autocorrelation::VelocityAutocorrelation { parameters }));
+    }
+    let viscosity = Viscosity::of(measure.quantity);
+    if let Some(parameters) = asked.green_kubo {
+        routes.push(Box::new(green_kubo::NoiseFree { viscosity, parameters }));
+    }
+    for (asked, helfand) in [(asked.green_kubo_total_stress, false), (asked.einstein_helfand, true)] {
+        if let Some(parameters) = asked {
+            routes.push(Box::new(green_kubo::TotalStress { viscosity, parameters, helfand }));
+        }
+    }
+    if let Some(parameters) = asked.transverse_current {
+        routes.push(Box::new(transverse_current::TransverseCurrent { parameters }));
+    }
+    let memories = [(asked.blocking.is_some(), None), (asked.correlation.is_some(), asked.correlation)];
+    for (_, correlation) in memories.into_iter().filter(|(asked, _)| *asked) {
+        if let Some(observable) = measure.observable {
+            routes.push(Box::new(memory::Memory { observable, quantity: measure.quantity, correlation }));
+        }
     }
     if let (Some(nemd), Some(forcing)) = (asked.nemd, measure.forcing) {
         routes.push(Box::new(nemd::Nemd { forcing, magnitudes: nemd.magnitude.0 }));

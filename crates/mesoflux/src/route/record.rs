@@ -1,5 +1,6 @@
 //! What a run leaves for the estimators: accumulators of bounded size that replicas merge into.
 
+use super::correlation::Correlations;
 use super::{RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, Blocking, MeanSquaredDisplacement};
 use mesoflux_core::driving::DrivenStep;
@@ -16,6 +17,8 @@ pub enum Record {
     Displacement(MeanSquaredDisplacement),
     /// Series of their own, one for each number of a profile.
     Profile(Vec<Blocking>),
+    /// Correlations in time.
+    Correlations(Box<Correlations>),
 }
 
 impl Record {
@@ -30,6 +33,18 @@ impl Record {
             (Self::Profile(mine), Self::Profile(theirs)) if mine.len() == theirs.len() => {
                 Ok(mine.iter_mut().zip(theirs).try_for_each(|(mine, theirs)| mine.merge(theirs))?)
             }
+            (Self::Correlations(mine), Self::Correlations(theirs)) => mine.merge(theirs),
+            _ => Err(RouteError::WrongRecord),
+        }
+    }
+
+    /// The correlations, for a route that records them.
+    ///
+    /// # Errors
+    /// Another kind of record.
+    pub fn correlations(&self) -> Result<&Correlations, RouteError> {
+        match self {
+            Self::Correlations(correlations) => Ok(correlations),
             _ => Err(RouteError::WrongRecord),
         }
     }
@@ -41,7 +56,7 @@ impl Record {
     pub fn series(&self) -> Result<&Blocking, RouteError> {
         match self {
             Self::Series(series) => Ok(series),
-            Self::Displacement(_) | Self::Profile(_) => Err(RouteError::WrongRecord),
+            _ => Err(RouteError::WrongRecord),
         }
     }
 }

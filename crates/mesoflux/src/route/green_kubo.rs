@@ -1,0 +1,236 @@
+//! Viscosities from correlations of the stress (Green 1954, Kubo 1957; without noise: Ernst & Brito 2005, Jung & Schmid 2016).
+
+use super::correlation::{CorrelationRecorder, Correlations, Sample, Sampler, integral_conditions, interval};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use mesoflux_analysis::{CorrelationPoint, Integral, IntegralOptions, MultipleTau, OriginWeight};
+use mesoflux_core::observable::Stress;
+use mesoflux_core::run::Moment;
+use mesoflux_core::tensor::SymmetricTensor;
+use mesoflux_io::input::{CorrelationInput, Input, Quantity};
+use mesoflux_io::results::Table;
+
+/// Which viscosity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Viscosity {
+    /// η, from the five independent components of the traceless momentum flux.
+    Shear,
+    /// ζ, from its trace.
+    Bulk,
+}
+
+impl Viscosity {
+    /// The viscosity that a quantity is.
+    pub fn of(quantity: Quantity) -> Self {
+        if quantity == Quantity::BulkViscosity { Self::Bulk } else { Self::Shear }
+    }
+
+    /// The components of the momentum flux that have the viscosity's correlations.
+    fn components(self, flux: SymmetricTensor) -> Vec<f64> {
+        match self {
+            Self::Shear => flux.shear().to_vec(),
+            Self::Bulk => vec![flux.trace() / 3.0],
+        }
+    }
+
+    fn count(self) -> usize {
+        match self {
+            Self::Shear => 5,
+            Self::Bulk => 1,
+        }
+    }
+
+    /// V times what the random forces add at once.
+    fn instantaneous(self, stress: &Stress) -> f64 {
+        match self {
+            Self::Shear => stress.instantaneous_shear().iter().sum::<f64>() / 5.0,
+            Self::Bulk => stress.instantaneous_bulk(),
+        }
+    }
+
+    /// A correlator of so many series for each component, for pairs of them; fluctuations about the mean pressure for ζ.
+    fn correlator(self, series: usize, pair: [usize; 2], spacing: f64) -> Result<MultipleTau, RouteError> {
+        let count = self.count();
+        let pairs: Vec<[usize; 2]> = (0..count).map(|c| pair.map(|of| of * count + c)).collect();
+        let mut correlator = MultipleTau::new(series * count, &pairs, spacing)?;
+        if self == Self::Bulk {
+            for channel in 0..series * count {
+                correlator = correlator.remove_mean(channel)?;
+            }
+        }
+        Ok(correlator)
+    }
+}
+
+/// η = η_∞ + (1/VkT) ∫₀^∞ ⟨J₋(t) J₊(0)⟩ dt: see the book's page on Green–Kubo.
+pub(super) struct NoiseFree {
+    pub viscosity: Viscosity,
+    pub parameters: CorrelationInput,
+}
+
+/// Reads J₊ and J₋.
+struct Fluxes(Viscosity);
+
+impl Sampler for Fluxes {
+    fn sample(&mut self, moment: &mut Moment) -> Sample {
+        let system = &mut moment.simulation.system;
+        let stress = Stress::of(system);
+        let mut channels = self.0.components(stress.coming());
+        channels.extend(self.0.components(stress.gone()));
+        Sample { channels: vec![channels], averages: vec![system.kinetic_temperature(), self.0.instantaneous(&stress)] }
+    }
+}
+
+impl Route for NoiseFree {
+    fn method(&self) -> &'static str {
+        "green_kubo"
+    }
+
+    fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
+        let interval = interval(input, self.parameters.sample_interval);
+        let spacing = interval as f64 * input.dynamics.time_step;
+        // J₋ is the second series and comes later, J₊ is the first and comes earlier.
+        let correlator = self.viscosity.correlator(2, [1, 0], spacing)?;
+        CorrelationRecorder::boxed(interval, Fluxes(self.viscosity), vec![correlator], 2)
+    }
+
+    fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+        let correlations = records[0].correlations()?;
+        let scale = Scale::of(input, correlations);
+        let function = &correlations.functions[0];
+        let origin = OriginWeight::Smooth;
+        let integral = function.integral(&IntegralOptions { origin, longest_time: self.parameters.longest_lag });
+        let instantaneous = correlations.averages.component(1).scaled(1.0 / scale.volume);
+        let mut outcome = scale.outcome(function, &integral, origin, Running::Integral);
+        if let (Some(value), Some(error)) = (instantaneous.value, instantaneous.standard_error) {
+            outcome.estimate.value = outcome.estimate.value.map(|integral| integral + value);
+            outcome.estimate.standard_error = outcome.estimate.standard_error.map(|integral| integral.hypot(error));
+            outcome.conditions.insert("instantaneous_part".to_owned(), value.into());
+            outcome.conditions.insert("instantaneous_part_standard_error".to_owned(), error.into());
+        }
+        Ok(outcome)
+    }
+}
+
+/// η = (1/VkT) Δt [½C₀ + C₁ + C₂ + …] with C_k = ⟨J_k J_0⟩ of the flux J that each step made, noise included: exact for the discrete steps.
+/// With `helfand` the same from ⟨ΔG²⟩/(2VkTt), ΔG = ∫J dt (Naseri et al., eqs 59, 60).
+pub(super) struct TotalStress {
+    pub viscosity: Viscosity,
+    pub parameters: CorrelationInput,
+    pub helfand: bool,
+}
+
+/// Adds up the flux of the steps between two samples.
+struct Booked {
+    viscosity: Viscosity,
+    sum: SymmetricTensor,
+    steps: u64,
+}
+
+impl Sampler for Booked {
+    fn gather(&mut self, moment: &Moment) {
+        if let Some(stress) = moment.stress() {
+            self.sum += stress.total();
+            self.steps += 1;
+        }
+    }
+
+    fn sample(&mut self, moment: &mut Moment) -> Sample {
+        let mean = (1.0 / self.steps as f64) * self.sum;
+        (self.sum, self.steps) = (SymmetricTensor::default(), 0);
+        let temperature = moment.simulation.system.kinetic_temperature();
+        Sample { channels: vec![self.viscosity.components(mean)], averages: vec![temperature] }
+    }
+
+    fn gathered(&self) -> Vec<f64> {
+        let mut gathered = self.sum.0.to_vec();
+        gathered.push(self.steps as f64);
+        gathered
+    }
+
+    fn resume(&mut self, gathered: &[f64]) -> bool {
+        let Ok([xx, yy, zz, xy, xz, yz, steps]) = <[f64; 7]>::try_from(gathered) else {
+            return false;
+        };
+        (self.sum, self.steps) = (SymmetricTensor([xx, yy, zz, xy, xz, yz]), steps as u64);
+        true
+    }
+}
+
+impl Route for TotalStress {
+    fn method(&self) -> &'static str {
+        if self.helfand { "einstein_helfand" } else { "green_kubo_total_stress" }
+    }
+
+    fn books_stress(&self) -> bool {
+        true
+    }
+
+    fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
+        let interval = interval(input, self.parameters.sample_interval);
+        let spacing = interval as f64 * input.dynamics.time_step;
+        let correlator = self.viscosity.correlator(1, [0, 0], spacing)?;
+        let sampler = Booked { viscosity: self.viscosity, sum: SymmetricTensor::default(), steps: 0 };
+        CorrelationRecorder::boxed(interval, sampler, vec![correlator], 1)
+    }
+
+    fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+        let correlations = records[0].correlations()?;
+        let function = &correlations.functions[0];
+        let (origin, longest_time) = (OriginWeight::Half, self.parameters.longest_lag);
+        let scale = Scale::of(input, correlations);
+        Ok(if self.helfand {
+            scale.outcome(function, &function.helfand_slope(longest_time), origin, Running::Helfand)
+        } else {
+            let integral = function.integral(&IntegralOptions { origin, longest_time });
+            scale.outcome(function, &integral, origin, Running::Integral)
+        })
+    }
+}
+
+/// What makes a viscosity of an integral.
+struct Scale {
+    volume: f64,
+    temperature: f64,
+}
+
+impl Scale {
+    /// kT is that of the thermostat; without one it is the measured one.
+    fn of(input: &Input, correlations: &Correlations) -> Self {
+        let measured = correlations.averages.mean().map(|mean| mean[0]);
+        let volume = input.region().map_or(f64::NAN, |region| region.volume());
+        let temperature =
+            if input.is_thermostatted() { Some(input.dynamics.temperature) } else { measured }.unwrap_or(f64::NAN);
+        Self { volume, temperature }
+    }
+
+    /// The viscosity of an integral, with the correlation function and its running integral as a table.
+    fn outcome(&self, function: &MultipleTau, integral: &Integral, origin: OriginWeight, running: Running) -> Outcome {
+        let factor = 1.0 / (self.volume * self.temperature);
+        let mut outcome = Outcome::of(integral.estimate.scaled(factor));
+        outcome.conditions.insert("kinetic_temperature".to_owned(), self.temperature.into());
+        outcome.conditions.extend(integral_conditions(function, integral));
+        let row = |point: CorrelationPoint| {
+            let (shown, factor) = match running {
+                Running::Integral => (point.integral, factor),
+                Running::Helfand => (point.helfand, factor / point.time.max(f64::MIN_POSITIVE)),
+            };
+            let numbers = [&point.correlation.scaled(1.0 / self.volume.powi(2)), &shown.scaled(factor)];
+            let columns = numbers.into_iter().flat_map(|number| [number.value, number.standard_error]);
+            let columns = columns.map(|number| number.unwrap_or(0.0));
+            std::iter::once(point.time).chain(columns).collect()
+        };
+        let header =
+            ["time [t]", "correlation [p^2]", "standard_error [p^2]", "viscosity [p t]", "standard_error [p t]"];
+        outcome.table = Some(Table::new(header, function.table(origin).into_iter().map(row).collect()));
+        outcome
+    }
+}
+
+/// What the table of a correlation function shows beside it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Running {
+    /// The integral up to a time.
+    Integral,
+    /// ⟨ΔG²⟩/(2t) at a time.
+    Helfand,
+}
