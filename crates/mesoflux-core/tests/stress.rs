@@ -4,12 +4,15 @@
 mod common;
 
 use common::{Fluid, advance, check_scores, friction};
+use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::domain::Workers;
 use mesoflux_core::noise::NoiseKey;
-use mesoflux_core::observable::Stress;
+use mesoflux_core::observable::{Stress, StressProfile, TRANSVERSE, TransverseCurrents};
+use mesoflux_core::potential::harmonic::Harmonic;
 use mesoflux_core::start::draw_momenta;
 use mesoflux_core::system::System;
-use mesoflux_core::vector::{Vector, ZERO, add_scaled, dot};
+use mesoflux_core::tensor::SymmetricTensor;
+use mesoflux_core::vector::{Vector, ZERO, add_scaled, dot, subtract};
 
 /// A disordered Groot–Warren fluid of two masses, with a friction strong enough to tell.
 fn fluid(noise: NoiseKey) -> System {
@@ -137,5 +140,112 @@ fn the_stress_has_the_same_bits_for_any_number_of_threads() {
     for threads in [1, 2, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(pool.install(|| Stress::of(&mut system)), one);
+    }
+}
+
+/// The fluid with bonds between some of its particles, wherever they are by now: their forces needn't be small.
+fn bonded_fluid() -> System {
+    let law = BondLaw::Harmonic(Harmonic { stiffness: 2.0, length: 1.0 });
+    let bonds = (0..30).map(|k| Bond { law: 0, first: 5 * k, second: 5 * k + 3 }).collect();
+    let topology = Topology::new(192, vec![law], bonds, ExclusionRange { potential: 1, friction: 1 }).unwrap();
+    fluid(NoiseKey::new(&[1])).with_bonds(topology)
+}
+
+/// The largest difference between the components of two tensors.
+fn distance(a: SymmetricTensor, b: SymmetricTensor) -> f64 {
+    (a - b).0.into_iter().fold(0.0, |largest, difference| difference.abs().max(largest))
+}
+
+#[test]
+fn the_layers_of_a_profile_sum_to_the_stress() {
+    let mut system = bonded_fluid();
+    let whole = Stress::of(&mut system);
+    for (axis, count) in [(0, 1), (0, 7), (1, 40), (2, 1000)] {
+        let profile = StressProfile::of(&mut system, axis, count);
+        assert_eq!((profile.axis, profile.layers.len()), (axis, count));
+        let sum = |part: fn(&Stress) -> SymmetricTensor| {
+            profile.layers.iter().fold(SymmetricTensor::default(), |sum, layer| sum + part(layer))
+        };
+        for part in
+            [|s: &Stress| s.kinetic, |s: &Stress| s.conservative, |s: &Stress| s.dissipative, |s: &Stress| s.friction]
+        {
+            let off = distance(sum(part), part(&whole));
+            assert!(off < 1e-9, "axis {axis}, {count} layers: off by {off:e} of {:?}", part(&whole));
+        }
+    }
+}
+
+/// Wu & Shang's eq. 81b with the integral done point by point along the line from one particle to the other.
+#[test]
+fn each_layer_has_its_share_of_every_line() {
+    let mut system = bonded_fluid();
+    let (count, points) = (5, 1000);
+    for axis in 0..3 {
+        let profile = StressProfile::of(&mut system, axis, count);
+        let (particles, region) = (&system.particles, system.region);
+        let side = region.sides()[axis];
+        let layer = |y: f64| ((y / side).rem_euclid(1.0) * count as f64) as usize % count;
+        let mut layers = vec![Stress::default(); count];
+        for i in 0..particles.count() {
+            let kinetic = particles.inverse_mass[i] * SymmetricTensor::square(particles.momentum[i]);
+            layers[layer(particles.position[i][axis])].kinetic += kinetic;
+            for j in 0..i {
+                let d = region.nearest_image(subtract(particles.position[i], particles.position[j]));
+                let (r, species) = (dot(d, d).sqrt(), [particles.species[i], particles.species[j]]);
+                let ids = [particles.id[i], particles.id[j]];
+                let bonded =
+                    ids[0].abs_diff(ids[1]) == 3 && ids[0].min(ids[1]).is_multiple_of(5) && ids[0].min(ids[1]) < 150;
+                let laws = &system.interactions;
+                let force = if bonded {
+                    2.0 * (1.0 - r)
+                } else {
+                    laws.potentials.get(species[0], species[1]).unwrap().force(r)
+                };
+                let strength =
+                    if bonded { 0.0 } else { laws.frictions.get(species[0], species[1]).unwrap().strength(r) };
+                if force != 0.0 || strength != 0.0 {
+                    let u = dot(d, subtract(particles.velocity(i), particles.velocity(j))) / r;
+                    let square = SymmetricTensor::square(d);
+                    for point in 0..points {
+                        let along = (f64::from(point) + 0.5) / f64::from(points);
+                        let target = &mut layers[layer(particles.position[j][axis] + along * d[axis])];
+                        target.conservative += (force / r / f64::from(points)) * square;
+                        target.dissipative += (-strength * u / r / f64::from(points)) * square;
+                    }
+                }
+            }
+        }
+        for (found, expected) in profile.layers.iter().zip(&layers) {
+            assert!(distance(found.kinetic, expected.kinetic) < 1e-10);
+            // Each of some hundred lines that cross a face is shared to 1/1000.
+            let off = [(found.conservative, expected.conservative), (found.dissipative, expected.dissipative)];
+            let off = off.map(|(found, expected)| distance(found, expected));
+            assert!(off[0] < 0.05 && off[1] < 0.05, "axis {axis}: off by {off:?} of {found:?}");
+        }
+    }
+}
+
+#[test]
+fn transverse_currents_are_fourier_components_of_the_momenta() {
+    let mut system = fluid(NoiseKey::new(&[1]));
+    // Positions outside the box are those inside.
+    (0..192).for_each(|k| system.particles.position[k][k % 3] += system.region.sides()[k % 3] * (k as f64 % 5.0 - 2.0));
+    let currents = TransverseCurrents::of(&system, 4);
+    for (n, wave) in currents.waves.iter().enumerate() {
+        for (current, [a, b]) in wave.iter().zip(TRANSVERSE) {
+            assert_ne!(a, b);
+            let k = std::f64::consts::TAU * (n + 1) as f64 / system.region.sides()[b];
+            let mut expected = [0.0; 2];
+            for (position, momentum) in system.particles.position.iter().zip(&system.particles.momentum) {
+                let (sin, cos) = (k * position[b]).sin_cos();
+                expected[0] += momentum[a] * cos;
+                expected[1] += momentum[a] * sin;
+            }
+            let off = (current[0] - expected[0]).hypot(current[1] - expected[1]);
+            assert!(
+                off < 1e-11 && expected[0].hypot(expected[1]) > 0.1,
+                "wave {n}, {a}{b}: {current:?} for {expected:?}"
+            );
+        }
     }
 }

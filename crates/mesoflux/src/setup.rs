@@ -44,8 +44,10 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
         }
     };
     let integrator = input.integrator().map_err(|error| refused(error.to_string()))?;
-    Simulation::new(system, integrator, driving, noise, input.dynamics.time_step)
-        .map_err(|error| refused(error.to_string()))
+    let mut simulation = Simulation::new(system, integrator, driving, noise, input.dynamics.time_step)
+        .map_err(|error| refused(error.to_string()))?;
+    simulation.book_stress(point.users(task.run).any(|user| point.measurements[user].route.books_stress()));
+    Ok(simulation)
 }
 
 /// The system of an input: particles placed and bonded, overlaps relaxed, momenta drawn.

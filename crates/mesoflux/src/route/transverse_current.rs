@@ -90,32 +90,47 @@ impl Route for TransverseCurrent {
                 return Ok(Outcome::of(time));
             };
             let viscosity = mass / volume / (wave.wavenumber.powi(2) * value);
-            points.push((wave.wavenumber, viscosity, viscosity * error / value, value, time.effective_samples));
+            // The relative error goes as the root of the decay time over the number of currents.
+            let weight = wave.currents.len() as f64 * wave.wavenumber.powi(2);
+            points.push(Point { wavenumber: wave.wavenumber, viscosity, error: viscosity * error / value, time, weight });
         }
         let mut outcome = Outcome::of(at_zero(&points)?);
-        outcome.conditions.insert("smallest_wavenumber".to_owned(), points[0].0.into());
-        let rows = points.iter().map(|&(k, viscosity, error, time, _)| vec![k, viscosity, error, time]).collect();
+        outcome.conditions.insert("smallest_wavenumber".to_owned(), points[0].wavenumber.into());
+        let row = |point: &Point| {
+            vec![point.wavenumber, point.viscosity, point.error, point.time.value.unwrap_or(0.0)]
+        };
+        let rows = points.iter().map(row).collect();
         let header = ["wavenumber [1/l]", "shear_viscosity [p t]", "standard_error [p t]", "decay_time [t]"];
         outcome.table = Some(Table::new(header, rows));
         Ok(outcome)
     }
 }
 
-/// The value at k = 0 of the line in k² through points of wavenumber, value, error; a single point as it is.
-fn at_zero(points: &[(f64, f64, f64, f64, f64)]) -> Result<Estimate, RouteError> {
-    if let [(wavenumber, value, error, _, samples)] = *points {
-        let warning = format!("the value at the wavenumber {wavenumber:.4}, not at zero: one wavenumber can't be extrapolated");
-        return Ok(Estimate::new(value, error, samples).with_warning(warning));
+/// The viscosity at one wavenumber.
+struct Point {
+    wavenumber: f64,
+    viscosity: f64,
+    error: f64,
+    time: Estimate,
+    /// In the fit; it follows from the wave alone, as weights from the data would bias.
+    weight: f64,
+}
+
+/// The value at k = 0 of the line in k² through points; a single point as it is.
+fn at_zero(points: &[Point]) -> Result<Estimate, RouteError> {
+    let samples = points.iter().map(|point| point.time.effective_samples).fold(f64::INFINITY, f64::min);
+    if let [Point { wavenumber, viscosity, error, .. }] = *points {
+        let warning = format!("at the wavenumber {wavenumber:.4}, not at zero: one wavenumber can't be extrapolated");
+        return Ok(Estimate::new(viscosity, error, samples).with_warning(warning));
     }
-    let squares: Vec<f64> = points.iter().map(|point| point.0.powi(2)).collect();
-    let weights: Vec<f64> = points.iter().map(|point| point.2.powi(-2)).collect();
+    let squares: Vec<f64> = points.iter().map(|point| point.wavenumber.powi(2)).collect();
+    let weights: Vec<f64> = points.iter().map(|point| point.weight).collect();
     let line = polynomial_functionals(&squares, &weights, 2)?;
-    let at = |of: &[f64]| of.iter().zip(points).map(|(weight, point)| weight * point.1).sum::<f64>();
-    let error = line[0].iter().zip(points).map(|(weight, point)| (weight * point.2).powi(2)).sum::<f64>().sqrt();
-    let (value, slope) = (at(&line[0]), at(&line[1]));
-    let misfit: f64 =
-        points.iter().zip(&squares).map(|(point, square)| ((point.1 - value - slope * square) / point.2).powi(2)).sum();
-    let samples = points.iter().map(|point| point.4).fold(f64::INFINITY, f64::min);
+    let sum = |of: &[f64], number: fn(&Point) -> f64| of.iter().zip(points).map(|(c, point)| c * number(point)).sum();
+    let (value, slope): (f64, f64) = (sum(&line[0], |point| point.viscosity), sum(&line[1], |point| point.viscosity));
+    let error = line[0].iter().zip(points).map(|(c, point)| (c * point.error).powi(2)).sum::<f64>().sqrt();
+    let residual = |(point, square): (&Point, &f64)| ((point.viscosity - value - slope * square) / point.error).powi(2);
+    let misfit: f64 = points.iter().zip(&squares).map(residual).sum();
     let estimate = Estimate::new(value, error, samples);
     let freedom = points.len() as f64 - 2.0;
     // Three standard deviations of a χ² distribution.
