@@ -74,8 +74,8 @@ impl Sampler for Fluxes {
     fn sample(&mut self, moment: &mut Moment) -> Sample {
         let system = &mut moment.simulation.system;
         let stress = Stress::of(system);
-        let mut channels = self.0.components(stress.coming());
-        channels.extend(self.0.components(stress.gone()));
+        let mut channels = self.0.components(stress.forward());
+        channels.extend(self.0.components(stress.backward()));
         Sample { channels: vec![channels], averages: vec![system.kinetic_temperature(), self.0.instantaneous(&stress)] }
     }
 }
@@ -97,7 +97,7 @@ impl Route for NoiseFree {
         let correlations = records[0].correlations()?;
         let scale = Scale::of(input, correlations);
         let function = &correlations.functions[0];
-        let origin = OriginWeight::Smooth;
+        let origin = OriginWeight::Half;
         let integral = function.integral(&IntegralOptions { origin, longest_time: self.parameters.longest_lag });
         let instantaneous = correlations.averages.component(1).scaled(1.0 / scale.volume);
         let mut outcome = scale.outcome(function, &integral, origin, Running::Integral);

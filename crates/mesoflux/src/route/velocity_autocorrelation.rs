@@ -44,13 +44,13 @@ impl Route for VelocityAutocorrelation {
         let followed = input.particles().min(FOLLOWED);
         let channels = 3 * followed as usize;
         let pairs: Vec<[usize; 2]> = (0..channels).map(|channel| [channel, channel]).collect();
-        let correlator = MultipleTau::new(channels, &pairs, spacing)?.pooled();
+        let correlator = MultipleTau::new(channels, &pairs, spacing)?;
         CorrelationRecorder::boxed(interval, Velocities { followed }, vec![correlator], 1)
     }
 
     fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let function = &records[0].correlations()?.functions[0];
-        let origin = OriginWeight::Smooth;
+        let origin = OriginWeight::Half;
         let integral = function.integral(&IntegralOptions { origin, longest_time: self.parameters.longest_lag });
         let mut outcome = Outcome::of(integral.estimate.clone());
         outcome.conditions = integral_conditions(function, &integral);
