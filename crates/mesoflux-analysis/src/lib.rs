@@ -30,6 +30,7 @@
 //! ```
 
 mod blocking;
+mod correlation;
 mod diffusion;
 mod distribution;
 mod error;
@@ -44,6 +45,9 @@ mod polynomial;
 mod response_curve;
 
 pub use blocking::Blocking;
+pub use correlation::{
+    AutocorrelationTime, CorrelationPoint, Integral, IntegralOptions, MultipleTau, OriginWeight, full_correlation,
+};
 pub use diffusion::DiffusionEstimate;
 pub use distribution::{
     StandardNormalSummary, chi_squared_p_value, chi_squared_survival, kolmogorov_smirnov_p_value, maxwell_speed_cdf,

@@ -115,3 +115,66 @@ pub fn recorded_motion(
     }
     recorder
 }
+
+/// A sum of independent autoregressive series, `C(t) = Σ a_i exp(−t/τ_i)` in units of samples, plus white noise.
+pub struct Exponentials {
+    parts: Vec<(f64, Autoregressive)>,
+    noise: f64,
+}
+
+impl Exponentials {
+    /// `parts` are variance and correlation time, `noise` the variance of the white noise.
+    pub fn new(parts: &[(f64, f64)], noise: f64, random: &mut Random) -> Self {
+        let part =
+            |&(variance, time): &(f64, f64)| (f64::sqrt(variance), Autoregressive::new((-1.0 / time).exp(), random));
+        Self { parts: parts.iter().map(part).collect(), noise: noise.sqrt() }
+    }
+
+    pub fn next(&mut self, random: &mut Random) -> f64 {
+        let correlated: f64 = self.parts.iter_mut().map(|(scale, part)| *scale * part.next(random)).sum();
+        correlated + if self.noise > 0.0 { self.noise * random.normal() } else { 0.0 }
+    }
+
+    /// ½C(0) + Σ_{k ≥ 1} C(k).
+    pub fn integral(parts: &[(f64, f64)], noise: f64) -> f64 {
+        let part = |&(variance, time): &(f64, f64)| {
+            let memory = f64::exp(-1.0 / time);
+            0.5 * variance * (1.0 + memory) / (1.0 - memory)
+        };
+        parts.iter().map(part).sum::<f64>() + 0.5 * noise
+    }
+}
+
+/// A rotating Ornstein–Uhlenbeck process z = x + iy, z' = z exp(−γ + iω) + noise, in units of samples; x and y have unit variance.
+///
+/// `C_xx = C_yy = exp(−γt) cos ωt` and, with y later, `C_yx = exp(−γt) sin ωt`, which is odd in t.
+pub struct Rotating {
+    decay: f64,
+    frequency: f64,
+    position: [f64; 2],
+}
+
+impl Rotating {
+    pub fn new(decay: f64, frequency: f64, random: &mut Random) -> Self {
+        Self { decay, frequency, position: [random.normal(), random.normal()] }
+    }
+
+    pub fn next(&mut self, random: &mut Random) -> [f64; 2] {
+        let [x, y] = self.position;
+        let memory = (-self.decay).exp();
+        let (sine, cosine) = self.frequency.sin_cos();
+        let noise = (1.0 - memory * memory).sqrt();
+        self.position = [
+            memory * (cosine * x - sine * y) + noise * random.normal(),
+            memory * (sine * x + cosine * y) + noise * random.normal(),
+        ];
+        [x, y]
+    }
+
+    /// ½C(0) + Σ_{k ≥ 1} C(k) of x with itself and of y (later) with x: real and imaginary part of ½ + q/(1 − q), q = exp(−γ + iω).
+    pub fn integrals(decay: f64, frequency: f64) -> (f64, f64) {
+        let memory = (-decay).exp();
+        let denominator = 1.0 - 2.0 * memory * frequency.cos() + memory * memory;
+        (0.5 * (1.0 - memory * memory) / denominator, memory * frequency.sin() / denominator)
+    }
+}

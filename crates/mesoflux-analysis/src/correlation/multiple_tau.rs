@@ -1,0 +1,228 @@
+//! The multiple-tau correlator: correlations over many decades of time in bounded memory, with what their errors need.
+
+use super::sums::{DelayLine, Segment, bound};
+use crate::error::{AnalysisError, require_finite, require_length};
+use serde::{Deserialize, Serialize};
+
+/// Most segments of the run being recorded, and of all replicas merged into it.
+const SEGMENTS: usize = 64;
+
+/// Streaming auto- and cross-correlations of sampled channels, `C_ab(t) = ⟨x_a(t) x_b(0)⟩`.
+///
+/// **Order.** A pair is `[later, earlier]`: `[a, b]` correlates channel a at time t with channel b at time 0, t ≥ 0. In a
+/// stationary state `C_ba(t) = C_ab(−t)`, which needn't equal `C_ab(t)`.
+///
+/// **Pairs are equivalent.** All pairs of one correlator estimate the same function (the components of an isotropic fluid's
+/// stress, say) and are averaged with equal weight; their scatter is part of the error. They count as independent of each other,
+/// which to second order needs the cross-correlations between pairs to vanish. Different functions need different correlators.
+///
+/// **Levels.** Level ℓ holds averages over blocks of 2^ℓ samples and their products at lags of k blocks: 0 ≤ k < 16 at level 0,
+/// 8 ≤ k < 16 above. The correlation of averages over B samples at lag kB is the correlation of the samples smeared with a
+/// triangle of half-width B. Triangles weighted with w(kB) add up to the piecewise-linear function through these points, so
+/// integrals `Σ_t w(t) C(t)` with such a w come out *exactly* as from all lags of the samples.
+///
+/// **Segments.** Sums are kept apart for up to 64 stretches of time (as many for merged replicas): when they are full, neighbors are joined. Products
+/// across their borders are kept. The scatter of segments gives the errors, whatever the law of the series.
+///
+/// **Memory** O(64 · 8 log₂(n) · pairs) numbers for n samples; time for one sample O(32 · pairs).
+///
+/// Source: J. Ramírez, S. K. Sukumaran, B. Vorselaars and A. E. Likhtman, J. Chem. Phys. 133, 154103 (2010).
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct MultipleTau {
+    channels: usize,
+    pub(super) pairs: Vec<[usize; 2]>,
+    pub(super) spacing: f64,
+    /// By channel, whether its mean is unknown and to be subtracted.
+    pub(super) mean_removed: Vec<bool>,
+    /// The first sample in channels whose mean is removed, else zero: all sums are relative to it. Empty before.
+    pub(super) origin: Vec<f64>,
+    lines: Vec<DelayLine>,
+    /// Segments of the run being recorded; the last one is open.
+    own: Vec<Segment>,
+    /// Samples in each of these but the last.
+    segment_length: u64,
+    merged: Vec<Segment>,
+    /// Runs merged so far.
+    runs: u64,
+}
+
+impl MultipleTau {
+    /// An empty correlator of samples of `channels` numbers, `spacing` apart in time, for ordered pairs `[later, earlier]` of channels.
+    ///
+    /// # Errors
+    /// If there are no channels or pairs, a pair names a channel that isn't there, or the spacing isn't positive and finite.
+    pub fn new(channels: usize, pairs: &[[usize; 2]], spacing: f64) -> Result<Self, AnalysisError> {
+        if channels == 0 {
+            return Err(AnalysisError::OutOfRange { name: "channels", value: 0.0, requirement: "at least 1" });
+        }
+        if pairs.is_empty() {
+            return Err(AnalysisError::OutOfRange { name: "pairs", value: 0.0, requirement: "at least 1" });
+        }
+        if let Some(&channel) = pairs.as_flattened().iter().find(|&&channel| channel >= channels) {
+            let value = channel as f64;
+            return Err(AnalysisError::OutOfRange { name: "channel of a pair", value, requirement: "below channels" });
+        }
+        if !(spacing > 0.0 && spacing.is_finite()) {
+            let requirement = "positive and finite";
+            return Err(AnalysisError::OutOfRange { name: "spacing", value: spacing, requirement });
+        }
+        Ok(Self {
+            channels,
+            pairs: pairs.to_vec(),
+            spacing,
+            mean_removed: vec![false; channels],
+            origin: Vec::new(),
+            lines: Vec::new(),
+            own: Vec::new(),
+            segment_length: 1,
+            merged: Vec::new(),
+            runs: 0,
+        })
+    }
+
+    /// The autocorrelation of one channel.
+    ///
+    /// # Errors
+    /// If the spacing isn't positive and finite.
+    pub fn autocorrelation(spacing: f64) -> Result<Self, AnalysisError> {
+        Self::new(1, &[[0, 0]], spacing)
+    }
+
+    /// Correlates deviations from the mean of a channel, for observables whose mean isn't known to be zero.
+    ///
+    /// The mean is that of all samples, replicas included. It makes every C(t) too small by the covariance of the two means, which
+    /// is estimated from the segments and added; what bias is left is smaller by about the square root of twice their number.
+    ///
+    /// # Errors
+    /// If there is no such channel, or something was recorded already.
+    pub fn remove_mean(mut self, channel: usize) -> Result<Self, AnalysisError> {
+        if !self.origin.is_empty() {
+            return Err(AnalysisError::Underdetermined("removing a mean must be decided before the first record"));
+        }
+        if let Some(removed) = self.mean_removed.get_mut(channel) {
+            *removed = true;
+            return Ok(self);
+        }
+        Err(AnalysisError::OutOfRange { name: "channel", value: channel as f64, requirement: "below channels" })
+    }
+
+    /// Whether `state` can be what this correlator once was or will be: of the same kind, its parts fitting together.
+    ///
+    /// For states from files: using one that doesn't fit may panic.
+    pub fn accepts(&self, state: &Self) -> bool {
+        let mut segments = state.own.iter().chain(&state.merged);
+        self.mismatch(state).is_none()
+            && (state.origin.len() == self.channels
+                || state.origin.is_empty() && state.own.is_empty() && state.merged.is_empty())
+            && state.lines.len() <= u64::BITS as usize
+            && state.lines.iter().all(|line| line.is_consistent(self.channels))
+            && state.own.len() <= SEGMENTS
+            && state.segment_length > 0
+            && segments.all(|segment| segment.is_consistent(self.channels, self.pairs.len()))
+    }
+
+    /// The first parameter in which two correlators differ, and its values.
+    fn mismatch(&self, other: &Self) -> Option<(&'static str, f64, f64)> {
+        if self.channels != other.channels {
+            return Some(("channels", self.channels as f64, other.channels as f64));
+        }
+        if self.pairs.len() != other.pairs.len() {
+            return Some(("pairs", self.pairs.len() as f64, other.pairs.len() as f64));
+        }
+        if self.spacing != other.spacing {
+            return Some(("spacing", self.spacing, other.spacing));
+        }
+        let channels = self.pairs.as_flattened().iter().zip(other.pairs.as_flattened());
+        if let Some((own, theirs)) = channels.into_iter().find(|(own, theirs)| own != theirs) {
+            return Some(("channel of a pair", *own as f64, *theirs as f64));
+        }
+        let removed = self.mean_removed.iter().zip(&other.mean_removed);
+        let differing = removed.into_iter().find(|(own, theirs)| own != theirs);
+        let lengths = (self.mean_removed.len(), other.mean_removed.len());
+        (differing.is_some() || lengths.0 != lengths.1).then(|| {
+            let number = |correlator: &Self| correlator.mean_removed.iter().filter(|&&removed| removed).count() as f64;
+            ("channels without their mean", number(self), number(other))
+        })
+    }
+
+    /// Number of samples recorded, over all replicas.
+    pub fn count(&self) -> u64 {
+        self.segments().map(|segment| segment.samples).sum()
+    }
+
+    /// Time between samples.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// Takes the next sample: one number a channel.
+    ///
+    /// # Errors
+    /// If their number is wrong or one isn't finite; nothing is recorded then.
+    pub fn record(&mut self, sample: &[f64]) -> Result<(), AnalysisError> {
+        require_length("sample", sample.len(), self.channels)?;
+        require_finite("sample", sample)?;
+        if self.origin.is_empty() {
+            let removed = self.mean_removed.iter().zip(sample);
+            self.origin = removed.map(|(&removed, value)| if removed { *value } else { 0.0 }).collect();
+        }
+        let mut block: Vec<f64> = sample.iter().zip(&self.origin).map(|(value, origin)| value - origin).collect();
+        let segment = self.open_segment();
+        self.own[segment].add_sample(&block);
+        for level in 0.. {
+            if level == self.lines.len() {
+                self.lines.push(DelayLine::new(self.channels));
+            }
+            self.lines[level].push(&block);
+            self.own[segment].add_latest(level, &self.lines[level], &self.pairs);
+            if !self.lines[level].completes(&mut block) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Index of the segment that takes the next sample, after making room.
+    fn open_segment(&mut self) -> usize {
+        if self.own.last().is_none_or(|last| last.samples >= self.segment_length) {
+            if self.own.len() == SEGMENTS {
+                bound(&mut self.own, SEGMENTS / 2);
+                self.segment_length *= 2;
+            }
+            self.own.push(Segment::new(0, self.channels));
+        }
+        self.own.len() - 1
+    }
+
+    /// Pools a replica: an independent series of the same quantity. No product spans the seam; what is recorded later continues `self`'s series.
+    ///
+    /// # Errors
+    /// If channels, pairs, spacing or the removal of means differ.
+    pub fn merge(&mut self, other: &Self) -> Result<(), AnalysisError> {
+        if let Some((name, left, right)) = self.mismatch(other) {
+            return Err(AnalysisError::Mismatch { name, left, right });
+        }
+        if other.origin.is_empty() {
+            return Ok(());
+        }
+        if self.origin.is_empty() {
+            self.origin.clone_from(&other.origin);
+        }
+        let offset: Vec<f64> = other.origin.iter().zip(&self.origin).map(|(theirs, own)| theirs - own).collect();
+        for segment in other.merged.iter().chain(&other.own) {
+            let mut segment = segment.clone();
+            segment.shift(&offset, &self.pairs);
+            // Run 0 is the one being recorded; the other's merged runs are numbered from 1.
+            segment.run += self.runs + 1;
+            self.merged.push(segment);
+        }
+        self.runs += other.runs + 1;
+        bound(&mut self.merged, SEGMENTS);
+        Ok(())
+    }
+
+    /// All segments; those of one run stand together in order of time.
+    pub(super) fn segments(&self) -> impl Iterator<Item = &Segment> {
+        self.merged.iter().chain(&self.own)
+    }
+}
