@@ -104,14 +104,8 @@ impl Bench {
             }
             Kernel::Sweep => {
                 let backward = self.calls % 2 == 1;
-                let sweep = Sweep {
-                    temperature,
-                    time: time_step,
-                    noise: draw,
-                    backward,
-                    response: None,
-                    book_stress: false,
-                };
+                let sweep =
+                    Sweep { temperature, time: time_step, noise: draw, backward, response: None, book_stress: false };
                 ornstein_uhlenbeck_sweep(list, interactions, &system.particles, velocity, &sweep, workers);
             }
             Kernel::Noise => pair_gaussians(draw, pairs, gaussians),

@@ -46,7 +46,7 @@ mod response_curve;
 
 pub use blocking::Blocking;
 pub use correlation::{
-    AutocorrelationTime, CorrelationPoint, Integral, IntegralOptions, MultipleTau, OriginWeight, full_correlation,
+    AutocorrelationTime, CorrelationPoint, Integral, IntegralOptions, MultipleTau, Quadrature, full_correlation,
 };
 pub use diffusion::DiffusionEstimate;
 pub use distribution::{

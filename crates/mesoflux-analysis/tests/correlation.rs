@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Autoregressive, Exponentials, Random, Rotating};
-use mesoflux_analysis::{AnalysisError, Estimate, IntegralOptions, MultipleTau, OriginWeight, full_correlation};
+use mesoflux_analysis::{AnalysisError, Estimate, IntegralOptions, MultipleTau, Quadrature, full_correlation};
 
 const LENGTH: usize = 5000;
 
@@ -53,7 +53,7 @@ fn every_lag_of_every_level_is_that_of_block_averages() {
     let series = rotating(LENGTH, 2);
     let (x, y) = (channel(&series, 0), channel(&series, 1));
     let correlator = recorded(MultipleTau::new(2, &[[1, 0]], 1.0).unwrap(), &series);
-    let table = correlator.table(OriginWeight::Half);
+    let table = correlator.table(Quadrature::Summed);
     assert!(table.last().unwrap().time >= 56.0, "three levels");
     for point in table {
         let lag = point.time as usize;
@@ -81,7 +81,7 @@ fn higher_levels_are_the_correlation_smeared_with_a_triangle() {
             // 64 segments of 32 samples are too few for an error at these lags; two replicas more are enough.
             let mut pooled = correlator.clone();
             (1..10).for_each(|_| pooled.merge(&correlator).unwrap());
-            let table = pooled.table(OriginWeight::Half);
+            let table = pooled.table(Quadrature::Summed);
             let point = table.iter().find(|point| point.time == lag as f64).unwrap();
             sum += point.correlation.value.unwrap() * (2048 / block - lag / block) as f64;
         }
@@ -99,7 +99,7 @@ fn integral_and_helfand_windows_are_sums_over_all_lags() {
     let (x, spacing) = (channel(&series, 0), 0.25);
     let correlator = recorded(MultipleTau::new(2, &[[0, 0]], spacing).unwrap(), &series);
     let correlation = full_correlation(&x, &x, 200).unwrap();
-    for (index, point) in correlator.table(OriginWeight::Half).iter().enumerate() {
+    for (index, point) in correlator.table(Quadrature::Summed).iter().enumerate() {
         let lag = (point.time / spacing).round() as usize;
         let weight = |t: usize| if t == 0 { 0.5 } else { 1.0 };
         let window = |t: usize| (2.0 - 2.0 * t as f64 / lag as f64).min(1.0);
@@ -110,22 +110,45 @@ fn integral_and_helfand_windows_are_sums_over_all_lags() {
         assert!((point.integral.value.unwrap() - integral).abs() < tolerance * (1.0 + integral.abs()), "{lag}");
         assert!((point.helfand.value.unwrap() - helfand).abs() < tolerance * (1.0 + helfand.abs()), "{lag}");
     }
-    let first = &correlator.table(OriginWeight::Half)[1];
+    let first = &correlator.table(Quadrature::Summed)[1];
     assert!((first.helfand.value.unwrap() - 0.5 * spacing * spacing * correlation[0]).abs() < 1e-12);
 }
 
+/// exp(−t) sampled every half unit: ∫ = 1, the trapezoid rule is 2 % above it, Gregory's rule 0.1 %.
 #[test]
-fn the_share_of_the_origin_is_what_was_asked_for() {
-    let series = rotating(40_000, 5);
-    let correlator = recorded(MultipleTau::new(2, &[[0, 0]], 0.5).unwrap(), &series);
-    let x = channel(&series, 0);
-    let origin = full_correlation(&x, &x, 1).unwrap()[0];
-    let integral =
-        |origin| correlator.integral(&IntegralOptions { origin, longest_time: None }).estimate.value.unwrap();
-    let half = integral(OriginWeight::Half);
-    // Shares don't move the cutoffs by much.
-    assert!((integral(OriginWeight::Whole) - half - 0.25 * origin).abs() < 0.02);
-    assert!((half - integral(OriginWeight::Omitted) - 0.25 * origin).abs() < 0.02);
+fn a_smooth_correlation_is_integrated_between_its_samples() {
+    let (spacing, mut random) = (0.5, Random::new(5));
+    let mut process = Autoregressive::new((-spacing as f64).exp(), &mut random);
+    let mut correlator = MultipleTau::autocorrelation(spacing).unwrap();
+    (0..400_000).for_each(|_| correlator.record(&[process.next(&mut random)]).unwrap());
+    let integral = |quadrature| correlator.integral(&IntegralOptions { quadrature, longest_time: None }).estimate;
+    let (smooth, summed) = (integral(Quadrature::Smooth), integral(Quadrature::Summed));
+    assert!(smooth.z_score_against(1.0011, 0.0).unwrap().abs() < 3.0, "{smooth:?}");
+    // Both from the same samples: their difference has hardly any error.
+    let difference = summed.value.unwrap() - smooth.value.unwrap();
+    assert!((difference - 0.0196).abs() < 0.002, "{difference}");
+}
+
+#[test]
+fn pooled_pairs_have_the_same_correlations() {
+    let (channels, mut random) = (6, Random::new(6));
+    let mut processes: Vec<_> = (0..channels).map(|_| Autoregressive::new(0.7, &mut random)).collect();
+    let pairs: Vec<[usize; 2]> = (0..channels).map(|channel| [channel, channel]).collect();
+    let apart = MultipleTau::new(channels, &pairs, 1.0).unwrap();
+    let (mut pooled, mut apart) = (apart.clone().pooled(), apart);
+    assert!(!pooled.accepts(&apart) && pooled.merge(&apart).is_err());
+    for _ in 0..50_000 {
+        let sample: Vec<f64> = processes.iter_mut().map(|process| process.next(&mut random)).collect();
+        pooled.record(&sample).unwrap();
+        apart.record(&sample).unwrap();
+    }
+    for (one, all) in pooled.table(Quadrature::Summed).iter().zip(apart.table(Quadrature::Summed)) {
+        assert!((one.correlation.value.unwrap() - all.correlation.value.unwrap()).abs() < 1e-12);
+    }
+    let (one, all) = (pooled.integral(&IntegralOptions::default()), apart.integral(&IntegralOptions::default()));
+    let ratio = one.estimate.standard_error.unwrap() / all.estimate.standard_error.unwrap();
+    assert!((0.6..1.6).contains(&ratio), "{ratio}");
+    assert!(one.estimate.z_score_against(0.5 + 0.7 / 0.3, 0.0).unwrap().abs() < 3.0);
 }
 
 #[test]
@@ -140,7 +163,7 @@ fn the_mean_is_removed_whatever_it_is() {
         plain.record(&[value]).unwrap();
         shifted.record(&[value + 1_073_741_824.0]).unwrap();
     }
-    let tables = (plain.table(OriginWeight::Half), shifted.table(OriginWeight::Half));
+    let tables = (plain.table(Quadrature::Summed), shifted.table(Quadrature::Summed));
     for (plain, shifted) in tables.0.iter().zip(&tables.1) {
         assert!((plain.correlation.value.unwrap() - shifted.correlation.value.unwrap()).abs() < 1e-10);
         assert!((plain.integral.standard_error.unwrap() - shifted.integral.standard_error.unwrap()).abs() < 1e-9);
@@ -162,7 +185,7 @@ fn removing_the_mean_leaves_no_bias() {
             known.record(&[value]).unwrap();
             removed.record(&[3.0 + value]).unwrap();
         }
-        let (known, removed) = (known.table(OriginWeight::Half), removed.table(OriginWeight::Half));
+        let (known, removed) = (known.table(Quadrature::Summed), removed.table(Quadrature::Summed));
         let excess = |a: &Estimate, b: &Estimate| (a.value.unwrap() - b.value.unwrap()) / series as f64;
         at_origin += excess(&removed[0].correlation, &known[0].correlation);
         integral += excess(&removed[12].integral, &known[12].integral);
@@ -182,7 +205,7 @@ fn merged_replicas_are_one_sum_without_products_across_the_seam() {
     let sum = |series: &[[f64; 2]], lag: usize| {
         direct(&channel(series, 1), &channel(series, 0), lag) * (series.len() - lag) as f64
     };
-    for point in merged.table(OriginWeight::Half).iter().take(16) {
+    for point in merged.table(Quadrature::Summed).iter().take(16) {
         let lag = point.time as usize;
         let pooled = (sum(&left, lag) + sum(&right, lag)) / (5500 - 2 * lag) as f64;
         assert!((point.correlation.value.unwrap() - pooled).abs() < 1e-12);
@@ -192,7 +215,7 @@ fn merged_replicas_are_one_sum_without_products_across_the_seam() {
     let whole: Vec<[f64; 2]> = left.iter().chain(&more).copied().collect();
     let merged = recorded(merged, &more);
     let pooled = (sum(&whole, 3) + sum(&right, 3)) / (6000 - 6) as f64;
-    assert!((merged.table(OriginWeight::Half)[3].correlation.value.unwrap() - pooled).abs() < 1e-12);
+    assert!((merged.table(Quadrature::Summed)[3].correlation.value.unwrap() - pooled).abs() < 1e-12);
 }
 
 #[test]
@@ -214,7 +237,7 @@ fn merging_keeps_means_digits_and_bounds() {
     }
     let number = 20_000.0;
     let variance = (squares - sum * sum / number) / number;
-    let first = &pooled.table(OriginWeight::Half)[0].correlation;
+    let first = &pooled.table(Quadrature::Summed)[0].correlation;
     // The variance of the mean is given back.
     assert!((first.value.unwrap() - variance * (1.0 + 1.0 / number)).abs() < 1e-4, "{first:?}");
     assert!((first.standard_error.unwrap() - (2.0 / number).sqrt()).abs() < 3e-3, "{first:?}");
@@ -287,7 +310,7 @@ fn bad_input_is_refused_and_leaves_no_trace() {
     correlator.record(&[1.0, 2.0]).unwrap();
     assert!(correlator.clone().remove_mean(0).is_err());
     assert!(correlator.helfand_slope(None).estimate.value.is_none());
-    assert!(correlator.table(OriginWeight::Half).is_empty());
+    assert!(correlator.table(Quadrature::Summed).is_empty());
 }
 
 #[test]

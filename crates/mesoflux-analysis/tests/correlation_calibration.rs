@@ -6,7 +6,7 @@ mod common;
 
 use common::{Exponentials, Random, Rotating, recorded_autoregressive};
 use mesoflux_analysis::{
-    Blocking, Estimate, IntegralOptions, MultipleTau, OriginWeight, StandardNormalSummary, standard_normal_summary,
+    Blocking, Estimate, IntegralOptions, MultipleTau, Quadrature, StandardNormalSummary, standard_normal_summary,
 };
 
 /// Times between samples: every result must scale with it.
@@ -231,5 +231,5 @@ fn coverage_by_length() {
             }
         }
     }
-    assert_eq!(OriginWeight::default(), OriginWeight::Half);
+    assert_eq!(Quadrature::default(), Quadrature::Summed);
 }

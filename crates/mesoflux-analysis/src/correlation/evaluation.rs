@@ -52,7 +52,7 @@ impl Evaluation {
         let segments: Vec<&Segment> = correlator.segments().collect();
         let stretches = Stretches {
             segments: segments.iter().map(|segment| (segment.samples, segment.run)).collect(),
-            pairs: correlator.pairs.len(),
+            pairs: correlator.slots(),
             samples: segments.iter().map(|segment| segment.samples).sum(),
         };
         let means = means(correlator, &segments, stretches.samples);
@@ -175,9 +175,12 @@ fn pooled(
     offsets: &[f64],
     correction: f64,
 ) -> Functional {
-    let pairs = &correlator.pairs;
+    let slots = correlator.slots();
+    let pairs = &correlator.pairs[..slots];
+    // A slot that all pairs share.
+    let shared = (correlator.pairs.len() / slots) as f64;
     let sums = || segments.iter().map(|segment| segment.levels.get(level));
-    let counts: Vec<f64> = sums().map(|sums| sums.map_or(0.0, |sums| sums.counts[lag] as f64)).collect();
+    let counts: Vec<f64> = sums().map(|sums| sums.map_or(0.0, |sums| sums.counts[lag] as f64 * shared)).collect();
     let mut deviations = Vec::with_capacity(segments.len() * pairs.len());
     for sums in sums() {
         deviations.extend(pairs.iter().enumerate().map(|(pair, &[later, earlier])| {

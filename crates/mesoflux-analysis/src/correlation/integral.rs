@@ -6,25 +6,24 @@ use super::evaluation::{Evaluation, Functional};
 use crate::estimate::Estimate;
 use serde::{Deserialize, Serialize};
 
-/// How much of C(0) an integral takes.
+/// How samples of C make an integral.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum OriginWeight {
-    /// Half: the trapezoid rule, and exact for a quantity booked over whole steps, such as the total stress with its random part:
-    /// spacing · (½C(0) + Σ_{k ≥ 1} C(k)) is half the asymptotic variance of its mean, whatever the length of the step.
+pub enum Quadrature {
+    /// spacing · (½C(0) + Σ_{k ≥ 1} C(k)): exact for a quantity summed up from sample to sample, such as the momentum flux of whole
+    /// time steps with its random part, where it is half the asymptotic variance of the mean, whatever the spacing.
     #[default]
-    Half,
-    /// Nothing, where C(0) is to be left out.
-    Omitted,
-    /// All of it: spacing · Σ_{k ≥ 0} C(k), for a causal response that begins at the very start of the step.
-    Whole,
+    Summed,
+    /// spacing · (⅜C(0) + ⁷⁄₆C(1) + ²³⁄₂₄C(2) + Σ_{k ≥ 3} C(k)): Gregory's end correction of fourth order, for a quantity read at instants whose correlation
+    /// is smooth for t > 0 and may begin with a slope.
+    Smooth,
 }
 
 /// What an integral is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IntegralOptions {
-    /// Share of C(0).
-    pub origin: OriginWeight,
+    /// What the samples are.
+    pub quadrature: Quadrature,
     /// Windows end at this time at the latest, for functions that are wrong beyond it, such as by a finite size.
     pub longest_time: Option<f64>,
 }
@@ -54,7 +53,7 @@ pub struct CorrelationPoint {
 }
 
 impl MultipleTau {
-    /// The Green–Kubo integral `∫₀^∞ C(t) dt = spacing · Σ_t w(t) C(t)`, C(0) with half its weight or as the options say.
+    /// The Green–Kubo integral `∫₀^∞ C(t) dt = spacing · Σ_t w(t) C(t)`, with the first weights as the options say.
     ///
     /// **Window.** w is 1 up to T/2 and falls linearly to zero at T. Trials with T from one sample up, four an octave, are averaged
     /// with weights that say how well the data agree with nothing being left beyond T/2.5: the increment from T' to 2T' must vanish for all
@@ -71,8 +70,7 @@ impl MultipleTau {
     /// Sources: average over cutoffs, W. I. Jay and E. T. Neil, Phys. Rev. D 103, 114502 (2021).
     pub fn integral(&self, options: &IntegralOptions) -> Integral {
         let evaluation = Evaluation::new(self);
-        let origin = options.origin.share();
-        let window = |end: u64| evaluation.window(end, |lag| taper(lag, end) * at_origin(lag, origin));
+        let window = |end: u64| evaluation.window(end, |lag| taper(lag, end) * options.quadrature.weight(lag));
         match choose(&evaluation, self.limit(options.longest_time), window) {
             Ok(choice) => self.integral_of(&evaluation, &choice),
             Err(reason) => Integral::unknown(&reason),
@@ -103,7 +101,7 @@ impl MultipleTau {
     /// The correlation function and its running integrals at all lags for which there are 16 stretches of 4 lags.
     ///
     /// Points of neighboring lags are strongly correlated. Every estimate here is for one fixed lag: nothing is chosen or extrapolated.
-    pub fn table(&self, origin: OriginWeight) -> Vec<CorrelationPoint> {
+    pub fn table(&self, quadrature: Quadrature) -> Vec<CorrelationPoint> {
         let evaluation = Evaluation::new(self);
         let estimate = |functional: &Functional, lag: u64, scale: f64| {
             let scatter = evaluation.scatter(functional, STRETCH * lag.max(1));
@@ -113,8 +111,8 @@ impl MultipleTau {
         let measured =
             evaluation.lags().take_while(|(lag, _)| evaluation.stretches(STRETCH * lag.max(&1)) >= STRETCHES);
         let point = |(lag, correlation): (u64, &Functional)| {
-            let integral = evaluation.window(lag, |t| taper(t, lag) * at_origin(t, origin.share()));
-            let helfand = evaluation.window(lag, |t| (lag - t) as f64 * at_origin(t, 0.5));
+            let integral = evaluation.window(lag, |t| taper(t, lag) * quadrature.weight(t));
+            let helfand = evaluation.window(lag, |t| (lag - t) as f64 * Quadrature::Summed.weight(t));
             CorrelationPoint {
                 time: lag as f64 * self.spacing,
                 correlation: estimate(correlation, lag, 1.0),
@@ -160,12 +158,15 @@ impl Integral {
     }
 }
 
-impl OriginWeight {
-    fn share(self) -> f64 {
-        match self {
-            Self::Half => 0.5,
-            Self::Omitted => 0.0,
-            Self::Whole => 1.0,
+impl Quadrature {
+    /// The weight of C at a lag in samples.
+    pub(super) fn weight(self, lag: u64) -> f64 {
+        match (self, lag) {
+            (Self::Summed, 0) => 0.5,
+            (Self::Smooth, 0) => 3.0 / 8.0,
+            (Self::Smooth, 1) => 7.0 / 6.0,
+            (Self::Smooth, 2) => 23.0 / 24.0,
+            _ => 1.0,
         }
     }
 }
@@ -173,10 +174,6 @@ impl OriginWeight {
 /// 1 up to half of `end`, then linear to zero at `end`.
 pub(super) fn taper(lag: u64, end: u64) -> f64 {
     (2.0 - 2.0 * lag as f64 / end as f64).clamp(0.0, 1.0)
-}
-
-pub(super) fn at_origin(lag: u64, share: f64) -> f64 {
-    if lag == 0 { share } else { 1.0 }
 }
 
 /// Slope of the line through ½⟨ΔG²⟩ at lags from half of `end` to `end`, in steps of the level that holds `end`.
@@ -187,6 +184,6 @@ fn helfand_slope(evaluation: &Evaluation, end: u64) -> Functional {
     let spread: f64 = lags.iter().map(|lag| (lag - mean).powi(2)).sum();
     evaluation.window(end, |t| {
         let line: f64 = lags.iter().map(|lag| (lag - mean) / spread * (lag - t as f64).max(0.0)).sum();
-        line * at_origin(t, 0.5)
+        line * Quadrature::Summed.weight(t)
     })
 }

@@ -9,7 +9,7 @@ mod sums;
 mod time;
 
 pub use full::full_correlation;
-pub use integral::{CorrelationPoint, Integral, IntegralOptions, OriginWeight};
+pub use integral::{CorrelationPoint, Integral, IntegralOptions, Quadrature};
 pub use multiple_tau::MultipleTau;
 pub use time::AutocorrelationTime;
 

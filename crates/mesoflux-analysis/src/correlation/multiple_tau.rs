@@ -32,6 +32,8 @@ pub struct MultipleTau {
     channels: usize,
     pub(super) pairs: Vec<[usize; 2]>,
     pub(super) spacing: f64,
+    /// Whether all pairs share one sum.
+    pooled: bool,
     /// By channel, whether its mean is unknown and to be subtracted.
     pub(super) mean_removed: Vec<bool>,
     /// The first sample in channels whose mean is removed, else zero: all sums are relative to it. Empty before.
@@ -70,6 +72,7 @@ impl MultipleTau {
             channels,
             pairs: pairs.to_vec(),
             spacing,
+            pooled: false,
             mean_removed: vec![false; channels],
             origin: Vec::new(),
             lines: Vec::new(),
@@ -88,14 +91,31 @@ impl MultipleTau {
         Self::new(1, &[[0, 0]], spacing)
     }
 
+    /// Sums over all pairs at once, where there are too many to keep each apart, such as the velocities of all particles.
+    ///
+    /// Errors then come from segments of time alone. Means are those of the model: they can't be removed.
+    #[must_use]
+    pub fn pooled(mut self) -> Self {
+        self.pooled = true;
+        self
+    }
+
+    /// How many sums of products are kept apart.
+    pub(super) fn slots(&self) -> usize {
+        if self.pooled { 1 } else { self.pairs.len() }
+    }
+
     /// Correlates deviations from the mean of a channel, for observables whose mean isn't known to be zero.
     ///
     /// The mean is that of all samples, replicas included. It makes every C(t) too small by the covariance of the two means, which
     /// is estimated from the segments and added; what bias is left is smaller by about the square root of twice their number.
     ///
     /// # Errors
-    /// If there is no such channel, or something was recorded already.
+    /// If there is no such channel, something was recorded already, or all pairs are pooled.
     pub fn remove_mean(mut self, channel: usize) -> Result<Self, AnalysisError> {
+        if self.pooled {
+            return Err(AnalysisError::Underdetermined("pooled pairs keep their means"));
+        }
         if !self.origin.is_empty() {
             return Err(AnalysisError::Underdetermined("removing a mean must be decided before the first record"));
         }
@@ -118,7 +138,7 @@ impl MultipleTau {
             && state.lines.iter().all(|line| line.is_consistent(self.channels))
             && state.own.len() <= SEGMENTS
             && state.segment_length > 0
-            && segments.all(|segment| segment.is_consistent(self.channels, self.pairs.len()))
+            && segments.all(|segment| segment.is_consistent(self.channels, self.slots()))
     }
 
     /// The first parameter in which two correlators differ, and its values.
@@ -128,6 +148,9 @@ impl MultipleTau {
         }
         if self.pairs.len() != other.pairs.len() {
             return Some(("pairs", self.pairs.len() as f64, other.pairs.len() as f64));
+        }
+        if self.slots() != other.slots() {
+            return Some(("sums kept apart", self.slots() as f64, other.slots() as f64));
         }
         if self.spacing != other.spacing {
             return Some(("spacing", self.spacing, other.spacing));
@@ -167,14 +190,14 @@ impl MultipleTau {
             self.origin = removed.map(|(&removed, value)| if removed { *value } else { 0.0 }).collect();
         }
         let mut block: Vec<f64> = sample.iter().zip(&self.origin).map(|(value, origin)| value - origin).collect();
-        let segment = self.open_segment();
+        let (segment, slots) = (self.open_segment(), self.slots());
         self.own[segment].add_sample(&block);
         for level in 0.. {
             if level == self.lines.len() {
                 self.lines.push(DelayLine::new(self.channels));
             }
             self.lines[level].push(&block);
-            self.own[segment].add_latest(level, &self.lines[level], &self.pairs);
+            self.own[segment].add_latest(level, &self.lines[level], &self.pairs, slots);
             if !self.lines[level].completes(&mut block) {
                 break;
             }
@@ -211,7 +234,9 @@ impl MultipleTau {
         let offset: Vec<f64> = other.origin.iter().zip(&self.origin).map(|(theirs, own)| theirs - own).collect();
         for segment in other.merged.iter().chain(&other.own) {
             let mut segment = segment.clone();
-            segment.shift(&offset, &self.pairs);
+            if !self.pooled {
+                segment.shift(&offset, &self.pairs);
+            }
             // Run 0 is the one being recorded; the other's merged runs are numbered from 1.
             segment.run += self.runs + 1;
             self.merged.push(segment);

@@ -16,7 +16,8 @@ pub(super) struct DelayLine {
 
 /// Sums over pairs of blocks (a later one, an earlier one k blocks before) at one level.
 ///
-/// Entry `pair * lags + (k − first)`, with lags `first` to `LAGS − 1`: a higher level needs none that lower ones resolve better.
+/// Entry `slot * lags + (k − first)`, a slot for each pair or one for all, with lags `first` to `LAGS − 1`: a higher level needs none
+/// that lower ones resolve better.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct LevelSums {
     /// Number of pairs of blocks by lag.
@@ -77,26 +78,27 @@ impl DelayLine {
 }
 
 impl LevelSums {
-    fn new(level: usize, pairs: usize) -> Self {
+    fn new(level: usize, slots: usize) -> Self {
         let lags = LAGS - first_lag(level);
-        let zeros = vec![0.0; pairs * lags];
+        let zeros = vec![0.0; slots * lags];
         Self { counts: vec![0; lags], products: zeros.clone(), later: zeros.clone(), earlier: zeros }
     }
 
-    fn is_consistent(&self, level: usize, pairs: usize) -> bool {
+    fn is_consistent(&self, level: usize, slots: usize) -> bool {
         let lags = LAGS - first_lag(level);
         self.counts.len() == lags
-            && [&self.products, &self.later, &self.earlier].iter().all(|sums| sums.len() == pairs * lags)
+            && [&self.products, &self.later, &self.earlier].iter().all(|sums| sums.len() == slots * lags)
     }
 
-    /// Adds the products of the latest block with those before it.
+    /// Adds the products of the latest block with those before it; of more pairs than there are sums for, into the only ones.
     fn add_latest(&mut self, line: &DelayLine, pairs: &[[usize; 2]]) {
         let lags = self.counts.len();
         let first = LAGS - lags;
         let held = line.held.saturating_sub(first);
+        let slots = self.products.len() / lags;
         self.counts[..held].iter_mut().for_each(|count| *count += 1);
         for (index, &[later, earlier]) in pairs.iter().enumerate() {
-            let start = index * lags;
+            let start = index % slots * lags;
             let latest = line.values[later * LAGS];
             let before = &line.values[earlier * LAGS + first..][..held];
             for (product, value) in self.products[start..start + held].iter_mut().zip(before) {
@@ -123,8 +125,8 @@ impl LevelSums {
     }
 
     /// Sum of products of deviations from other origins, the blocks' values being larger by `later` and `earlier`, for one entry.
-    pub(super) fn shifted_product(&self, pair: usize, lag: usize, later: f64, earlier: f64) -> f64 {
-        let entry = pair * self.counts.len() + lag;
+    pub(super) fn shifted_product(&self, slot: usize, lag: usize, later: f64, earlier: f64) -> f64 {
+        let entry = slot * self.counts.len() + lag;
         self.products[entry]
             + later * self.earlier[entry]
             + earlier * self.later[entry]
@@ -137,10 +139,10 @@ impl Segment {
         Self { run, samples: 0, sum: vec![0.0; channels], levels: Vec::new() }
     }
 
-    pub(super) fn is_consistent(&self, channels: usize, pairs: usize) -> bool {
+    pub(super) fn is_consistent(&self, channels: usize, slots: usize) -> bool {
         self.sum.len() == channels
             && self.levels.len() <= u64::BITS as usize
-            && self.levels.iter().enumerate().all(|(index, level)| level.is_consistent(index, pairs))
+            && self.levels.iter().enumerate().all(|(index, level)| level.is_consistent(index, slots))
     }
 
     pub(super) fn add_sample(&mut self, sample: &[f64]) {
@@ -148,9 +150,9 @@ impl Segment {
         self.sum.iter_mut().zip(sample).for_each(|(sum, value)| *sum += value);
     }
 
-    pub(super) fn add_latest(&mut self, level: usize, line: &DelayLine, pairs: &[[usize; 2]]) {
+    pub(super) fn add_latest(&mut self, level: usize, line: &DelayLine, pairs: &[[usize; 2]], slots: usize) {
         while self.levels.len() <= level {
-            self.levels.push(LevelSums::new(self.levels.len(), pairs.len()));
+            self.levels.push(LevelSums::new(self.levels.len(), slots));
         }
         self.levels[level].add_latest(line, pairs);
     }

@@ -3,7 +3,7 @@
 use super::MultipleTau;
 use super::cutoff::choose;
 use super::evaluation::Evaluation;
-use super::integral::{at_origin, taper};
+use super::integral::{Quadrature, taper};
 use crate::blocking::Blocking;
 use crate::error::AnalysisError;
 use crate::estimate::Estimate;
@@ -27,7 +27,7 @@ impl MultipleTau {
     /// For observables with a mean other than zero, [`remove_mean`](Self::remove_mean).
     pub fn autocorrelation_time(&self) -> AutocorrelationTime {
         let evaluation = Evaluation::new(self);
-        let window = |end: u64| evaluation.window(end, |lag| taper(lag, end) * at_origin(lag, 0.5));
+        let window = |end: u64| evaluation.window(end, |lag| taper(lag, end) * Quadrature::Summed.weight(lag));
         let choice = match choose(&evaluation, self.limit(None), window) {
             Ok(choice) => choice,
             Err(reason) => return AutocorrelationTime::unknown(&reason),

@@ -2,7 +2,7 @@
 
 use super::{Input, SpeciesInput};
 use mesoflux_core::boundary::PeriodicBox;
-use mesoflux_core::integrate::{Integrator, Schedule, VelocityVerlet, WordError};
+use mesoflux_core::integrate::{Integrator, Schedule, Thermostat, VelocityVerlet, WordError};
 use mesoflux_core::interactions::{Interactions, PairTable};
 use mesoflux_core::vector::Vector;
 use std::collections::BTreeMap;
@@ -52,6 +52,12 @@ impl Input {
     /// The masses in the order of the species.
     pub fn masses(&self) -> Vec<f64> {
         self.species().iter().map(|(_, species)| species.mass).collect()
+    }
+
+    /// Whether something holds the temperature.
+    pub fn is_thermostatted(&self) -> bool {
+        let without_friction = self.interactions().frictions.entries().iter().all(Option::is_none);
+        !without_friction && (self.dynamics.velocity_verlet.is_some() || self.dynamics.thermostat != Thermostat::None)
     }
 
     /// The sides of the box: given, or a cube of the given density.

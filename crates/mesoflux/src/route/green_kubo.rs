@@ -2,7 +2,7 @@
 
 use super::correlation::{CorrelationRecorder, Correlations, Sample, Sampler, integral_conditions, interval};
 use super::{Outcome, Record, Route, RouteError, RouteRecorder};
-use mesoflux_analysis::{CorrelationPoint, Integral, IntegralOptions, MultipleTau, OriginWeight};
+use mesoflux_analysis::{CorrelationPoint, Integral, IntegralOptions, MultipleTau, Quadrature};
 use mesoflux_core::observable::Stress;
 use mesoflux_core::run::Moment;
 use mesoflux_core::tensor::SymmetricTensor;
@@ -97,10 +97,10 @@ impl Route for NoiseFree {
         let correlations = records[0].correlations()?;
         let scale = Scale::of(input, correlations);
         let function = &correlations.functions[0];
-        let origin = OriginWeight::Half;
-        let integral = function.integral(&IntegralOptions { origin, longest_time: self.parameters.longest_lag });
+        let quadrature = Quadrature::Smooth;
+        let integral = function.integral(&IntegralOptions { quadrature, longest_time: self.parameters.longest_lag });
         let instantaneous = correlations.averages.component(1).scaled(1.0 / scale.volume);
-        let mut outcome = scale.outcome(function, &integral, origin, Running::Integral);
+        let mut outcome = scale.outcome(function, &integral, quadrature, Running::Integral);
         if let (Some(value), Some(error)) = (instantaneous.value, instantaneous.standard_error) {
             outcome.estimate.value = outcome.estimate.value.map(|integral| integral + value);
             outcome.estimate.standard_error = outcome.estimate.standard_error.map(|integral| integral.hypot(error));
@@ -176,13 +176,13 @@ impl Route for TotalStress {
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let correlations = records[0].correlations()?;
         let function = &correlations.functions[0];
-        let (origin, longest_time) = (OriginWeight::Half, self.parameters.longest_lag);
+        let (quadrature, longest_time) = (Quadrature::Summed, self.parameters.longest_lag);
         let scale = Scale::of(input, correlations);
         Ok(if self.helfand {
-            scale.outcome(function, &function.helfand_slope(longest_time), origin, Running::Helfand)
+            scale.outcome(function, &function.helfand_slope(longest_time), quadrature, Running::Helfand)
         } else {
-            let integral = function.integral(&IntegralOptions { origin, longest_time });
-            scale.outcome(function, &integral, origin, Running::Integral)
+            let integral = function.integral(&IntegralOptions { quadrature, longest_time });
+            scale.outcome(function, &integral, quadrature, Running::Integral)
         })
     }
 }
@@ -204,7 +204,13 @@ impl Scale {
     }
 
     /// The viscosity of an integral, with the correlation function and its running integral as a table.
-    fn outcome(&self, function: &MultipleTau, integral: &Integral, origin: OriginWeight, running: Running) -> Outcome {
+    fn outcome(
+        &self,
+        function: &MultipleTau,
+        integral: &Integral,
+        quadrature: Quadrature,
+        running: Running,
+    ) -> Outcome {
         let factor = 1.0 / (self.volume * self.temperature);
         let mut outcome = Outcome::of(integral.estimate.scaled(factor));
         outcome.conditions.insert("kinetic_temperature".to_owned(), self.temperature.into());
@@ -221,7 +227,7 @@ impl Scale {
         };
         let header =
             ["time [t]", "correlation [p^2]", "standard_error [p^2]", "viscosity [p t]", "standard_error [p t]"];
-        outcome.table = Some(Table::new(header, function.table(origin).into_iter().map(row).collect()));
+        outcome.table = Some(Table::new(header, function.table(quadrature).into_iter().map(row).collect()));
         outcome
     }
 }

@@ -3,7 +3,7 @@
 use super::average::StateRecorder;
 use super::correlation::{CorrelationRecorder, Sample, Sampler};
 use super::{Outcome, Record, Route, RouteError, RouteRecorder, observable};
-use mesoflux_analysis::{AutocorrelationTime, MultipleTau, OriginWeight};
+use mesoflux_analysis::{AutocorrelationTime, MultipleTau, Quadrature};
 use mesoflux_core::run::Moment;
 use mesoflux_core::system::System;
 use mesoflux_io::input::{CorrelationInput, Input, Observable, Quantity};
@@ -67,7 +67,7 @@ impl Route for Memory {
         }
         let function = &records[0].correlations()?.functions[0];
         let mut outcome = self.outcome(function.autocorrelation_time());
-        let rows = function.table(OriginWeight::Half).into_iter().map(|point| {
+        let rows = function.table(Quadrature::Summed).into_iter().map(|point| {
             vec![point.time, point.correlation.value.unwrap_or(0.0), point.correlation.standard_error.unwrap_or(0.0)]
         });
         let header = ["time [t]", "autocorrelation [squared observable]", "standard_error [squared observable]"];

@@ -81,7 +81,8 @@ impl Route for TransverseCurrent {
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let Correlations { functions, .. } = records[0].correlations()?;
         let volume: f64 = input.sides().iter().product();
-        let mass: f64 = input.masses().iter().zip(input.species_counts()).map(|(mass, count)| mass * count as f64).sum();
+        let mass: f64 =
+            input.masses().iter().zip(input.species_counts()).map(|(mass, count)| mass * count as f64).sum();
         let waves = self.waves(input);
         let mut points = Vec::new();
         for (wave, function) in waves.iter().zip(functions) {
@@ -92,13 +93,17 @@ impl Route for TransverseCurrent {
             let viscosity = mass / volume / (wave.wavenumber.powi(2) * value);
             // The relative error goes as the root of the decay time over the number of currents.
             let weight = wave.currents.len() as f64 * wave.wavenumber.powi(2);
-            points.push(Point { wavenumber: wave.wavenumber, viscosity, error: viscosity * error / value, time, weight });
+            points.push(Point {
+                wavenumber: wave.wavenumber,
+                viscosity,
+                error: viscosity * error / value,
+                time,
+                weight,
+            });
         }
         let mut outcome = Outcome::of(at_zero(&points)?);
         outcome.conditions.insert("smallest_wavenumber".to_owned(), points[0].wavenumber.into());
-        let row = |point: &Point| {
-            vec![point.wavenumber, point.viscosity, point.error, point.time.value.unwrap_or(0.0)]
-        };
+        let row = |point: &Point| vec![point.wavenumber, point.viscosity, point.error, point.time.value.unwrap_or(0.0)];
         let rows = points.iter().map(row).collect();
         let header = ["wavenumber [1/l]", "shear_viscosity [p t]", "standard_error [p t]", "decay_time [t]"];
         outcome.table = Some(Table::new(header, rows));

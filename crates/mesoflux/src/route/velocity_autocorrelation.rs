@@ -2,7 +2,7 @@
 
 use super::correlation::{CorrelationRecorder, Sample, Sampler, integral_conditions, interval};
 use super::{Outcome, Record, Route, RouteError, RouteRecorder};
-use mesoflux_analysis::{IntegralOptions, MultipleTau, OriginWeight};
+use mesoflux_analysis::{IntegralOptions, MultipleTau, Quadrature};
 use mesoflux_core::run::Moment;
 use mesoflux_io::input::{CorrelationInput, Input};
 use mesoflux_io::results::Table;
@@ -44,19 +44,30 @@ impl Route for VelocityAutocorrelation {
         let followed = input.particles().min(FOLLOWED);
         let channels = 3 * followed as usize;
         let pairs: Vec<[usize; 2]> = (0..channels).map(|channel| [channel, channel]).collect();
-        let correlator = MultipleTau::new(channels, &pairs, spacing)?;
+        let correlator = MultipleTau::new(channels, &pairs, spacing)?.pooled();
         CorrelationRecorder::boxed(interval, Velocities { followed }, vec![correlator], 1)
     }
 
     fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let function = &records[0].correlations()?.functions[0];
-        let origin = OriginWeight::Half;
-        let integral = function.integral(&IntegralOptions { origin, longest_time: self.parameters.longest_lag });
+        let quadrature = Quadrature::Smooth;
+        let integral = function.integral(&IntegralOptions { quadrature, longest_time: self.parameters.longest_lag });
         let mut outcome = Outcome::of(integral.estimate.clone());
         outcome.conditions = integral_conditions(function, &integral);
-        let header = ["time [t]", "velocity_autocorrelation [v^2]", "standard_error [v^2]", "integral [l^2/t]", "standard_error [l^2/t]"];
-        let rows = function.table(origin).into_iter().map(|point| {
-            let numbers = [point.correlation.value, point.correlation.standard_error, point.integral.value, point.integral.standard_error];
+        let header = [
+            "time [t]",
+            "velocity_autocorrelation [v^2]",
+            "standard_error [v^2]",
+            "integral [l^2/t]",
+            "standard_error [l^2/t]",
+        ];
+        let rows = function.table(quadrature).into_iter().map(|point| {
+            let numbers = [
+                point.correlation.value,
+                point.correlation.standard_error,
+                point.integral.value,
+                point.integral.standard_error,
+            ];
             std::iter::once(point.time).chain(numbers.map(|number| number.unwrap_or(0.0))).collect()
         });
         outcome.table = Some(Table::new(header, rows.collect()));
