@@ -1,11 +1,9 @@
 //! The multiple-tau correlator: correlations over many decades of time in bounded memory, with what their errors need.
 
-use super::sums::{DelayLine, Segment, bound};
+use super::sums::{DelayLine, LagSums};
 use crate::error::{AnalysisError, require_finite, require_length};
+use crate::segments::{Segment, Segments};
 use serde::{Deserialize, Serialize};
-
-/// Most segments of the run being recorded, and of all replicas merged into it.
-const SEGMENTS: usize = 64;
 
 /// Streaming auto- and cross-correlations of sampled channels, `C_ab(t) = ⟨x_a(t) x_b(0)⟩`.
 ///
@@ -37,13 +35,7 @@ pub struct MultipleTau {
     /// The first sample in channels whose mean is removed, else zero: all sums are relative to it. Empty before.
     pub(super) origin: Vec<f64>,
     lines: Vec<DelayLine>,
-    /// Segments of the run being recorded; the last one is open.
-    own: Vec<Segment>,
-    /// Samples in each of these but the last.
-    segment_length: u64,
-    merged: Vec<Segment>,
-    /// Runs merged so far.
-    runs: u64,
+    pub(super) segments: Segments<LagSums>,
 }
 
 impl MultipleTau {
@@ -73,10 +65,7 @@ impl MultipleTau {
             mean_removed: vec![false; channels],
             origin: Vec::new(),
             lines: Vec::new(),
-            own: Vec::new(),
-            segment_length: 1,
-            merged: Vec::new(),
-            runs: 0,
+            segments: Segments::new(),
         })
     }
 
@@ -110,15 +99,12 @@ impl MultipleTau {
     ///
     /// For states from files: using one that doesn't fit may panic.
     pub fn accepts(&self, state: &Self) -> bool {
-        let mut segments = state.own.iter().chain(&state.merged);
+        let fits = |sums: &LagSums| sums.is_consistent(self.channels, self.pairs.len());
         self.mismatch(state).is_none()
-            && (state.origin.len() == self.channels
-                || state.origin.is_empty() && state.own.is_empty() && state.merged.is_empty())
+            && (state.origin.len() == self.channels || state.origin.is_empty() && state.count() == 0)
             && state.lines.len() <= u64::BITS as usize
             && state.lines.iter().all(|line| line.is_consistent(self.channels))
-            && state.own.len() <= SEGMENTS
-            && state.segment_length > 0
-            && segments.all(|segment| segment.is_consistent(self.channels, self.pairs.len()))
+            && state.segments.are_consistent(fits)
     }
 
     /// The first parameter in which two correlators differ, and its values.
@@ -147,7 +133,7 @@ impl MultipleTau {
 
     /// Number of samples recorded, over all replicas.
     pub fn count(&self) -> u64 {
-        self.segments().map(|segment| segment.samples).sum()
+        self.segments.count()
     }
 
     /// Time between samples.
@@ -167,31 +153,19 @@ impl MultipleTau {
             self.origin = removed.map(|(&removed, value)| if removed { *value } else { 0.0 }).collect();
         }
         let mut block: Vec<f64> = sample.iter().zip(&self.origin).map(|(value, origin)| value - origin).collect();
-        let segment = self.open_segment();
-        self.own[segment].add_sample(&block);
+        let sums = self.segments.open(|| LagSums::new(self.channels));
+        sums.add_sample(&block);
         for level in 0.. {
             if level == self.lines.len() {
                 self.lines.push(DelayLine::new(self.channels));
             }
             self.lines[level].push(&block);
-            self.own[segment].add_latest(level, &self.lines[level], &self.pairs);
+            sums.add_latest(level, &self.lines[level], &self.pairs);
             if !self.lines[level].completes(&mut block) {
                 break;
             }
         }
         Ok(())
-    }
-
-    /// Index of the segment that takes the next sample, after making room.
-    fn open_segment(&mut self) -> usize {
-        if self.own.last().is_none_or(|last| last.samples >= self.segment_length) {
-            if self.own.len() == SEGMENTS {
-                bound(&mut self.own, SEGMENTS / 2);
-                self.segment_length *= 2;
-            }
-            self.own.push(Segment::new(0, self.channels));
-        }
-        self.own.len() - 1
     }
 
     /// Pools a replica: an independent series of the same quantity. No product spans the seam; what is recorded later continues `self`'s series.
@@ -209,20 +183,9 @@ impl MultipleTau {
             self.origin.clone_from(&other.origin);
         }
         let offset: Vec<f64> = other.origin.iter().zip(&self.origin).map(|(theirs, own)| theirs - own).collect();
-        for segment in other.merged.iter().chain(&other.own) {
-            let mut segment = segment.clone();
-            segment.shift(&offset, &self.pairs);
-            // Run 0 is the one being recorded; the other's merged runs are numbered from 1.
-            segment.run += self.runs + 1;
-            self.merged.push(segment);
-        }
-        self.runs += other.runs + 1;
-        bound(&mut self.merged, SEGMENTS);
+        self.segments.merge(&other.segments, |segment: &mut Segment<LagSums>| {
+            segment.sums.shift(segment.samples, &offset, &self.pairs);
+        });
         Ok(())
-    }
-
-    /// All segments; those of one run stand together in order of time.
-    pub(super) fn segments(&self) -> impl Iterator<Item = &Segment> {
-        self.merged.iter().chain(&self.own)
     }
 }
