@@ -3,6 +3,7 @@
 use super::sums::{LagSums, first_lag};
 use super::{LAGS, MultipleTau};
 use crate::segments::{Segment, Stretches};
+use std::ops::Range;
 
 /// Stretches of time whose means tell how far the overall mean is off.
 const MEANS: u64 = 16;
@@ -42,19 +43,20 @@ impl Functional {
 }
 
 impl Evaluation {
-    pub(super) fn new(correlator: &MultipleTau) -> Self {
+    /// Of the correlator's pairs with these indices.
+    pub(super) fn new(correlator: &MultipleTau, pairs: Range<usize>) -> Self {
         let segments: Vec<&Segment<LagSums>> = correlator.segments.iter().collect();
         let stretches = correlator.segments.stretches();
         let means = means(correlator, &segments, stretches.samples);
-        let correction = mean_covariance(correlator, &segments, &means, &stretches);
+        let correction = mean_covariance(correlator, pairs.clone(), &segments, &means, &stretches);
         // Sums become those of deviations from the mean, or from zero in channels that keep it.
         let removed = means.iter().zip(&correlator.mean_removed);
         let offsets: Vec<f64> = removed.map(|(mean, removed)| if *removed { -mean } else { 0.0 }).collect();
         let depth = segments.iter().map(|segment| segment.sums.levels.len()).max().unwrap_or(0);
         let lags = |level| (0..LAGS - first_lag(level)).map(move |lag| (level, lag));
-        let at = |(level, lag)| pooled(correlator, &segments, level, lag, &offsets, correction);
+        let at = |(level, lag)| pooled(correlator, pairs.clone(), &segments, level, lag, &offsets, correction);
         let levels = (0..depth).map(|level| lags(level).map(at).collect()).collect();
-        Self { levels, pairs: correlator.pairs.len(), samples: stretches.samples, stretches }
+        Self { levels, pairs: pairs.len(), samples: stretches.samples, stretches }
     }
 
     /// The functional that is zero.
@@ -125,18 +127,19 @@ impl Evaluation {
 /// The correlation at one lag over all segments and pairs, of sums rewritten by `offsets`, plus `correction`.
 fn pooled(
     correlator: &MultipleTau,
+    pairs: Range<usize>,
     segments: &[&Segment<LagSums>],
     level: usize,
     lag: usize,
     offsets: &[f64],
     correction: f64,
 ) -> Functional {
-    let pairs = &correlator.pairs;
     let sums = || segments.iter().map(|segment| segment.sums.levels.get(level));
     let counts: Vec<f64> = sums().map(|sums| sums.map_or(0.0, |sums| sums.counts[lag] as f64)).collect();
     let mut deviations = Vec::with_capacity(segments.len() * pairs.len());
     for sums in sums() {
-        deviations.extend(pairs.iter().enumerate().map(|(pair, &[later, earlier])| {
+        deviations.extend(pairs.clone().map(|pair| {
+            let [later, earlier] = correlator.pairs[pair];
             sums.map_or(0.0, |sums| sums.shifted_product(pair, lag, offsets[later], offsets[earlier]))
         }));
     }
@@ -162,6 +165,7 @@ fn means(correlator: &MultipleTau, segments: &[&Segment<LagSums>], samples: u64)
 /// From the scatter of the means of stretches; zero for pairs that keep both means.
 fn mean_covariance(
     correlator: &MultipleTau,
+    pairs: Range<usize>,
     segments: &[&Segment<LagSums>],
     means: &[f64],
     stretches: &Stretches,
@@ -175,7 +179,7 @@ fn mean_covariance(
         segments.iter().map(|segment| segment.sums.sum[channel] - segment.samples as f64 * means[channel]).sum()
     };
     let mut total = 0.0;
-    for &[later, earlier] in &correlator.pairs {
+    for &[later, earlier] in &correlator.pairs[pairs.clone()] {
         if correlator.mean_removed[later] || correlator.mean_removed[earlier] {
             let mut start = 0;
             for &(end, _) in &groups {
@@ -184,6 +188,6 @@ fn mean_covariance(
             }
         }
     }
-    let scale = (stretches.samples as f64).powi(2) * correlator.pairs.len() as f64;
+    let scale = (stretches.samples as f64).powi(2) * pairs.len() as f64;
     total / scale * number / (number - 1.0)
 }

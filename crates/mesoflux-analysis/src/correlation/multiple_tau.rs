@@ -4,6 +4,7 @@ use super::sums::{DelayLine, LagSums};
 use crate::error::{AnalysisError, require_finite, require_length};
 use crate::segments::{Segment, Segments};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Streaming auto- and cross-correlations of sampled channels, `C_ab(t) = ⟨x_a(t) x_b(0)⟩`.
 ///
@@ -28,7 +29,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MultipleTau {
     channels: usize,
+    /// The pairs asked for, and after them each channel of unequal pairs with itself: its memory is the least a cutoff must reach.
     pub(super) pairs: Vec<[usize; 2]>,
+    /// How many of them were asked for.
+    pub(super) equivalent: usize,
     pub(super) spacing: f64,
     /// By channel, whether its mean is unknown and to be subtracted.
     pub(super) mean_removed: Vec<bool>,
@@ -58,9 +62,12 @@ impl MultipleTau {
             let requirement = "positive and finite";
             return Err(AnalysisError::OutOfRange { name: "spacing", value: spacing, requirement });
         }
+        let unequal = pairs.iter().filter(|[later, earlier]| later != earlier).flatten();
+        let own: Vec<[usize; 2]> = unequal.map(|&channel| [channel; 2]).collect::<BTreeSet<_>>().into_iter().collect();
         Ok(Self {
             channels,
-            pairs: pairs.to_vec(),
+            pairs: [pairs, &own].concat(),
+            equivalent: pairs.len(),
             spacing,
             mean_removed: vec![false; channels],
             origin: Vec::new(),
@@ -101,6 +108,7 @@ impl MultipleTau {
     pub fn accepts(&self, state: &Self) -> bool {
         let fits = |sums: &LagSums| sums.is_consistent(self.channels, self.pairs.len());
         self.mismatch(state).is_none()
+            && state.pairs.len() == self.pairs.len()
             && (state.origin.len() == self.channels || state.origin.is_empty() && state.count() == 0)
             && state.lines.len() <= u64::BITS as usize
             && state.lines.iter().all(|line| line.is_consistent(self.channels))
@@ -112,8 +120,8 @@ impl MultipleTau {
         if self.channels != other.channels {
             return Some(("channels", self.channels as f64, other.channels as f64));
         }
-        if self.pairs.len() != other.pairs.len() {
-            return Some(("pairs", self.pairs.len() as f64, other.pairs.len() as f64));
+        if self.equivalent != other.equivalent {
+            return Some(("pairs", self.equivalent as f64, other.equivalent as f64));
         }
         if self.spacing != other.spacing {
             return Some(("spacing", self.spacing, other.spacing));
