@@ -7,7 +7,7 @@
 //! - [`Blocking`]: mean, ratios and functions of correlated series;
 //! - [`MeanSquaredDisplacement`]: the curve and the diffusion coefficient;
 //! - [`MultipleTau`], [`full_correlation`]: auto- and cross-correlations, their Green–Kubo integrals, Helfand slopes, correlation times;
-//! - [`Histogram`]: densities;
+//! - histograms ([`Histogram`]) of correlated series;
 //! - [`fit_response`], [`fit_inverse_response`]: a transport coefficient from several points of a response curve;
 //! - [`chi_squared_p_value`] and others: tests of distributions.
 //!

@@ -1,5 +1,7 @@
 //! Correlators against direct sums: exact numbers, order, merging, states.
 
+#![allow(clippy::unwrap_used)] // Only tests call these functions.
+
 mod common;
 
 use common::{Autoregressive, Exponentials, Random, Rotating};

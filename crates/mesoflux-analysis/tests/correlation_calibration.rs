@@ -2,6 +2,8 @@
 //!
 //! The long form runs with `cargo test -- --ignored --nocapture`.
 
+#![allow(clippy::unwrap_used)] // Only tests call these functions.
+
 mod common;
 
 use common::{Exponentials, Random, Rotating, recorded_autoregressive};

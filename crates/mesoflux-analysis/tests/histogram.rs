@@ -1,5 +1,7 @@
 //! Histograms: counts by hand, densities of known distributions, errors of correlated series.
 
+#![allow(clippy::unwrap_used)] // Only tests call these functions.
+
 mod common;
 
 use common::{Autoregressive, Random};

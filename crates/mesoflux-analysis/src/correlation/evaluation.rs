@@ -66,7 +66,7 @@ impl Evaluation {
 
     /// The functional `Σ_{t=0}^{end−1} w(t) C(t)`, lags t in samples.
     ///
-    /// Exact if w is linear between neighboring lags of the levels and zero at `end`: triangles of each level add up to w there, the
+    /// Without bias if w is linear between neighboring lags of the levels and zero at `end`: triangles of each level add up to w there, the
     /// first one of a level reaching down to the last lag of the level below.
     pub(super) fn window(&self, end: u64, weight: impl Fn(u64) -> f64) -> Functional {
         let mut functional = self.zero();

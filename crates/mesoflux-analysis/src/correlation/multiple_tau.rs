@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 /// **Levels.** Level ℓ holds averages over blocks of 2^ℓ samples and their products at lags of k blocks: 0 ≤ k < 16 at level 0,
 /// 8 ≤ k < 16 above. The correlation of averages over B samples at lag kB is the correlation of the samples smeared with a
 /// triangle of half-width B. Triangles weighted with w(kB) add up to the piecewise-linear function through these points, so
-/// integrals `Σ_t w(t) C(t)` with such a w come out *exactly* as from all lags of the samples.
+/// integrals `Σ_t w(t) C(t)` with such a w have *exactly* the expectation of those over all lags of the samples: smearing costs nothing.
 ///
 /// **Segments.** Sums are kept apart for up to 64 stretches of time (as many for merged replicas): when they are full, neighbors are joined. Products
 /// across their borders are kept. The scatter of segments gives the errors, whatever the law of the series.
