@@ -6,6 +6,8 @@
 //!
 //! - [`Blocking`]: mean, ratios and functions of correlated series;
 //! - [`MeanSquaredDisplacement`]: the curve and the diffusion coefficient;
+//! - [`MultipleTau`], [`full_correlation`]: auto- and cross-correlations, their Green–Kubo integrals, Helfand slopes, correlation times;
+//! - histograms ([`Histogram`]) of correlated series;
 //! - [`fit_response`], [`fit_inverse_response`]: a transport coefficient from several points of a response curve;
 //! - [`polynomial_functionals`]: extrapolations as functionals of a series;
 //! - [`chi_squared_p_value`] and others: tests of distributions.
@@ -37,12 +39,14 @@ mod error;
 mod estimate;
 mod fit;
 mod functional;
+mod histogram;
 mod level;
 mod mean_squared_displacement;
 mod odd_polynomial;
 mod plateau;
 mod polynomial;
 mod response_curve;
+mod segments;
 
 pub use blocking::Blocking;
 pub use correlation::{
@@ -56,6 +60,7 @@ pub use distribution::{
 pub use error::AnalysisError;
 pub use estimate::Estimate;
 pub use functional::BlockingLevel;
+pub use histogram::{Histogram, HistogramBin};
 pub use mean_squared_displacement::MeanSquaredDisplacement;
 pub use polynomial::polynomial_functionals;
 pub use response_curve::{OrderChoice, ResponseCurve, ResponsePoint, fit_inverse_response, fit_response};

@@ -54,12 +54,17 @@ impl Choice {
         self.scatter(evaluation).standard_error.hypot(self.between.sqrt())
     }
 
+    /// The time from which on nothing is left, on average.
+    pub(super) fn forgotten(&self) -> u64 {
+        (self.cutoff / MARGIN) as u64
+    }
+
     fn scatter(&self, evaluation: &Evaluation) -> Scatter {
         evaluation.scatter(&self.functional, self.stretch)
     }
 }
 
-/// Averages `functional`(T), which tends to a plateau for long cutoffs T (in samples), over T up to `limit`.
+/// Averages `functional`(T), which tends to a plateau for long cutoffs T (in samples), over T from `least` to `limit`.
 ///
 /// The hypothesis that nothing is left beyond T predicts that the increments from T' to 2T' vanish for all T' ≥ T. Its weight is
 /// exp(−½ Σ_{T' ≥ T} (z² − 6)), the sum being over octaves of T', z the increment in units of its standard error (Student's t turned
@@ -73,11 +78,11 @@ impl Choice {
 /// The reason why there is no choice.
 pub(super) fn choose(
     evaluation: &Evaluation,
-    limit: u64,
+    (least, limit): (u64, u64),
     functional: impl Fn(u64) -> Functional,
 ) -> Result<Choice, String> {
     let measured = |&end: &u64| evaluation.stretches(STRETCH * end) >= STRETCHES;
-    let ends: Vec<u64> = ends(limit.min(evaluation.samples)).take_while(measured).collect();
+    let ends: Vec<u64> = ends(limit.min(evaluation.samples)).take_while(measured).filter(|&end| end >= least).collect();
     let candidates: Vec<Candidate> = ends
         .iter()
         .map(|&end| Candidate { end, functional: functional(end), number: evaluation.stretches(STRETCH * end) })

@@ -1,7 +1,9 @@
 //! Linear functionals of a correlation function, with errors from the scatter of segments.
 
-use super::sums::{Segment, first_lag};
+use super::sums::{LagSums, first_lag};
 use super::{LAGS, MultipleTau};
+use crate::segments::{Segment, Stretches};
+use std::ops::Range;
 
 /// Stretches of time whose means tell how far the overall mean is off.
 const MEANS: u64 = 16;
@@ -11,6 +13,7 @@ pub(super) struct Evaluation {
     /// By level and lag.
     levels: Vec<Vec<Functional>>,
     stretches: Stretches,
+    pairs: usize,
     pub(super) samples: u64,
 }
 
@@ -29,14 +32,6 @@ pub(super) struct Scatter {
     pub(super) number: f64,
 }
 
-/// Segments in order of time, and how many pairs each was summed for.
-struct Stretches {
-    /// Samples and run of each segment.
-    segments: Vec<(u64, u64)>,
-    pairs: usize,
-    samples: u64,
-}
-
 impl Functional {
     /// Adds `factor` times another functional.
     pub(super) fn add(&mut self, other: &Self, factor: f64) {
@@ -48,33 +43,30 @@ impl Functional {
 }
 
 impl Evaluation {
-    pub(super) fn new(correlator: &MultipleTau) -> Self {
-        let segments: Vec<&Segment> = correlator.segments().collect();
-        let stretches = Stretches {
-            segments: segments.iter().map(|segment| (segment.samples, segment.run)).collect(),
-            pairs: correlator.slots(),
-            samples: segments.iter().map(|segment| segment.samples).sum(),
-        };
+    /// Of the correlator's pairs with these indices; 0 is all of them where they share one sum.
+    pub(super) fn new(correlator: &MultipleTau, pairs: Range<usize>) -> Self {
+        let segments: Vec<&Segment<LagSums>> = correlator.segments.iter().collect();
+        let stretches = correlator.segments.stretches();
         let means = means(correlator, &segments, stretches.samples);
-        let correction = mean_covariance(correlator, &segments, &means, &stretches);
+        let correction = mean_covariance(correlator, pairs.clone(), &segments, &means, &stretches);
         // Sums become those of deviations from the mean, or from zero in channels that keep it.
         let removed = means.iter().zip(&correlator.mean_removed);
         let offsets: Vec<f64> = removed.map(|(mean, removed)| if *removed { -mean } else { 0.0 }).collect();
-        let depth = segments.iter().map(|segment| segment.levels.len()).max().unwrap_or(0);
+        let depth = segments.iter().map(|segment| segment.sums.levels.len()).max().unwrap_or(0);
         let lags = |level| (0..LAGS - first_lag(level)).map(move |lag| (level, lag));
-        let at = |(level, lag)| pooled(correlator, &segments, level, lag, &offsets, correction);
+        let at = |(level, lag)| pooled(correlator, pairs.clone(), &segments, level, lag, &offsets, correction);
         let levels = (0..depth).map(|level| lags(level).map(at).collect()).collect();
-        Self { levels, samples: stretches.samples, stretches }
+        Self { levels, pairs: pairs.len(), samples: stretches.samples, stretches }
     }
 
     /// The functional that is zero.
     pub(super) fn zero(&self) -> Functional {
-        Functional { value: 0.0, deviations: vec![0.0; self.stretches.segments.len() * self.stretches.pairs] }
+        Functional { value: 0.0, deviations: vec![0.0; self.stretches.len() * self.pairs] }
     }
 
     /// The functional `Σ_{t=0}^{end−1} w(t) C(t)`, lags t in samples.
     ///
-    /// Exact if w is linear between neighboring lags of the levels and zero at `end`: triangles of each level add up to w there, the
+    /// Without bias if w is linear between neighboring lags of the levels and zero at `end`: triangles of each level add up to w there, the
     /// first one of a level reaching down to the last lag of the level below.
     pub(super) fn window(&self, end: u64, weight: impl Fn(u64) -> f64) -> Functional {
         let mut functional = self.zero();
@@ -111,7 +103,7 @@ impl Evaluation {
     ///
     /// With deviations d that sum to zero and n samples each, the variance is Σ d²/(1 − Σn²/(Σn)²).
     pub(super) fn scatter(&self, functional: &Functional, length: u64) -> Scatter {
-        let pairs = self.stretches.pairs;
+        let pairs = self.pairs;
         let groups = self.stretches.of_length(length);
         let mut start = 0;
         let mut squares = 0.0;
@@ -122,68 +114,33 @@ impl Evaluation {
             }
             start = end;
         }
-        let number = self.stretches.number(&groups);
+        let number = pairs as f64 * self.stretches.number(&groups);
         Scatter { standard_error: (squares * number / (number - 1.0)).sqrt(), number }
     }
 
     /// Number of independent stretches of at least `length` samples, equivalent pairs counted.
     pub(super) fn stretches(&self, length: u64) -> f64 {
-        self.stretches.number(&self.stretches.of_length(length))
-    }
-}
-
-impl Stretches {
-    /// Consecutive segments of one run joined until they have `length` samples: the index after the last segment, and the samples.
-    ///
-    /// What is left at the end of a run joins the stretch before; a run that is shorter than `length` is a stretch.
-    fn of_length(&self, length: u64) -> Vec<(usize, u64)> {
-        let mut groups: Vec<(usize, u64)> = Vec::new();
-        let mut start = 0;
-        for run in self.segments.chunk_by(|left, right| left.1 == right.1) {
-            let mut open = 0;
-            for (index, (samples, _)) in run.iter().enumerate() {
-                open += samples;
-                if open >= length {
-                    groups.push((start + index + 1, open));
-                    open = 0;
-                }
-            }
-            let end = start + run.len();
-            match groups.last_mut() {
-                _ if open == 0 => {}
-                Some(last) if last.0 > start => *last = (end, last.1 + open),
-                _ => groups.push((end, open)),
-            }
-            start = end;
-        }
-        groups
-    }
-
-    /// (Σn)²/Σn² for stretches of n samples, times the number of pairs.
-    fn number(&self, groups: &[(usize, u64)]) -> f64 {
-        let squares: f64 = groups.iter().map(|&(_, samples)| (samples as f64).powi(2)).sum();
-        if squares == 0.0 { 0.0 } else { self.pairs as f64 * (self.samples as f64).powi(2) / squares }
+        self.pairs as f64 * self.stretches.number(&self.stretches.of_length(length))
     }
 }
 
 /// The correlation at one lag over all segments and pairs, of sums rewritten by `offsets`, plus `correction`.
 fn pooled(
     correlator: &MultipleTau,
-    segments: &[&Segment],
+    pairs: Range<usize>,
+    segments: &[&Segment<LagSums>],
     level: usize,
     lag: usize,
     offsets: &[f64],
     correction: f64,
 ) -> Functional {
-    let slots = correlator.slots();
-    let pairs = &correlator.pairs[..slots];
-    // A slot that all pairs share.
-    let shared = (correlator.pairs.len() / slots) as f64;
-    let sums = || segments.iter().map(|segment| segment.levels.get(level));
+    let sums = || segments.iter().map(|segment| segment.sums.levels.get(level));
+    let shared = if correlator.pooled { correlator.pairs.len() as f64 } else { 1.0 };
     let counts: Vec<f64> = sums().map(|sums| sums.map_or(0.0, |sums| sums.counts[lag] as f64 * shared)).collect();
     let mut deviations = Vec::with_capacity(segments.len() * pairs.len());
     for sums in sums() {
-        deviations.extend(pairs.iter().enumerate().map(|(pair, &[later, earlier])| {
+        deviations.extend(pairs.clone().map(|pair| {
+            let [later, earlier] = correlator.pairs[pair];
             sums.map_or(0.0, |sums| sums.shifted_product(pair, lag, offsets[later], offsets[earlier]))
         }));
     }
@@ -196,10 +153,10 @@ fn pooled(
 }
 
 /// Mean of each channel, relative to the correlator's origin.
-fn means(correlator: &MultipleTau, segments: &[&Segment], samples: u64) -> Vec<f64> {
+fn means(correlator: &MultipleTau, segments: &[&Segment<LagSums>], samples: u64) -> Vec<f64> {
     let mut means = vec![0.0; correlator.mean_removed.len()];
     for segment in segments {
-        means.iter_mut().zip(&segment.sum).for_each(|(mean, sum)| *mean += sum / samples as f64);
+        means.iter_mut().zip(&segment.sums.sum).for_each(|(mean, sum)| *mean += sum / samples as f64);
     }
     means
 }
@@ -207,17 +164,23 @@ fn means(correlator: &MultipleTau, segments: &[&Segment], samples: u64) -> Vec<f
 /// Covariance of the means of a pair's channels, averaged over pairs: by as much is a correlation of deviations from them too small.
 ///
 /// From the scatter of the means of stretches; zero for pairs that keep both means.
-fn mean_covariance(correlator: &MultipleTau, segments: &[&Segment], means: &[f64], stretches: &Stretches) -> f64 {
+fn mean_covariance(
+    correlator: &MultipleTau,
+    pairs: Range<usize>,
+    segments: &[&Segment<LagSums>],
+    means: &[f64],
+    stretches: &Stretches,
+) -> f64 {
     let groups = stretches.of_length(stretches.samples / MEANS);
-    let number = stretches.number(&groups) / stretches.pairs as f64;
+    let number = stretches.number(&groups);
     if number <= 1.0 {
         return 0.0;
     }
-    let deviation = |segments: &[&Segment], channel: usize| -> f64 {
-        segments.iter().map(|segment| segment.sum[channel] - segment.samples as f64 * means[channel]).sum()
+    let deviation = |segments: &[&Segment<LagSums>], channel: usize| -> f64 {
+        segments.iter().map(|segment| segment.sums.sum[channel] - segment.samples as f64 * means[channel]).sum()
     };
     let mut total = 0.0;
-    for &[later, earlier] in &correlator.pairs {
+    for &[later, earlier] in &correlator.pairs[pairs.clone()] {
         if correlator.mean_removed[later] || correlator.mean_removed[earlier] {
             let mut start = 0;
             for &(end, _) in &groups {
@@ -226,6 +189,6 @@ fn mean_covariance(correlator: &MultipleTau, segments: &[&Segment], means: &[f64
             }
         }
     }
-    let scale = (stretches.samples as f64).powi(2) * correlator.pairs.len() as f64;
+    let scale = (stretches.samples as f64).powi(2) * pairs.len() as f64;
     total / scale * number / (number - 1.0)
 }

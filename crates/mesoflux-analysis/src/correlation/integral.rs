@@ -14,8 +14,8 @@ pub enum Quadrature {
     /// time steps with its random part, where it is half the asymptotic variance of the mean, whatever the spacing.
     #[default]
     Summed,
-    /// spacing · (⅜C(0) + ⁷⁄₆C(1) + ²³⁄₂₄C(2) + Σ_{k ≥ 3} C(k)): Gregory's end correction of fourth order, for a quantity read at instants whose correlation
-    /// is smooth for t > 0 and may begin with a slope.
+    /// spacing · (⅜C(0) + ⁷⁄₆C(1) + ²³⁄₂₄C(2) + Σ_{k ≥ 3} C(k)): Gregory's end correction of fourth order, for a quantity read at
+    /// instants whose correlation is smooth for t > 0 and may begin with a slope.
     Smooth,
 }
 
@@ -53,7 +53,7 @@ pub struct CorrelationPoint {
 }
 
 impl MultipleTau {
-    /// The Green–Kubo integral `∫₀^∞ C(t) dt = spacing · Σ_t w(t) C(t)`, with the first weights as the options say.
+    /// The Green–Kubo integral `∫₀^∞ C(t) dt = spacing · Σ_t w(t) C(t)`, the first weights as the options say.
     ///
     /// **Window.** w is 1 up to T/2 and falls linearly to zero at T. Trials with T from one sample up, four an octave, are averaged
     /// with weights that say how well the data agree with nothing being left beyond T/2.5: the increment from T' to 2T' must vanish for all
@@ -62,6 +62,8 @@ impl MultipleTau {
     /// **Error.** The scatter of stretches of at least 4 T, and the variance from cutoff to cutoff. `effective_samples` is the number of these
     /// stretches, equivalent pairs counted.
     ///
+    /// **Cross-correlations** are cut off no earlier than the autocorrelations of their channels let it seem that these have forgotten.
+    ///
     /// **Cannot tell** if cutoffs for which fewer than 16 stretches remain have more than half of the weight: about 700 decay times
     /// of a single exponential and a single pair.
     ///
@@ -69,9 +71,9 @@ impl MultipleTau {
     ///
     /// Sources: average over cutoffs, W. I. Jay and E. T. Neil, Phys. Rev. D 103, 114502 (2021).
     pub fn integral(&self, options: &IntegralOptions) -> Integral {
-        let evaluation = Evaluation::new(self);
+        let evaluation = self.evaluation();
         let window = |end: u64| evaluation.window(end, |lag| taper(lag, end) * options.quadrature.weight(lag));
-        match choose(&evaluation, self.limit(options.longest_time), window) {
+        match self.range(options.longest_time).and_then(|range| choose(&evaluation, range, window)) {
             Ok(choice) => self.integral_of(&evaluation, &choice),
             Err(reason) => Integral::unknown(&reason),
         }
@@ -91,8 +93,11 @@ impl MultipleTau {
         if !self.is_symmetric() {
             return Integral::unknown("a Helfand slope needs pairs of equal channels, or each with its reverse");
         }
-        let evaluation = Evaluation::new(self);
-        match choose(&evaluation, self.limit(longest_time), |end| helfand_slope(&evaluation, end)) {
+        let evaluation = self.evaluation();
+        match self
+            .range(longest_time)
+            .and_then(|range| choose(&evaluation, range, |end| helfand_slope(&evaluation, end)))
+        {
             Ok(choice) => self.integral_of(&evaluation, &choice),
             Err(reason) => Integral::unknown(&reason),
         }
@@ -102,7 +107,7 @@ impl MultipleTau {
     ///
     /// Points of neighboring lags are strongly correlated. Every estimate here is for one fixed lag: nothing is chosen or extrapolated.
     pub fn table(&self, quadrature: Quadrature) -> Vec<CorrelationPoint> {
-        let evaluation = Evaluation::new(self);
+        let evaluation = self.evaluation();
         let estimate = |functional: &Functional, lag: u64, scale: f64| {
             let scatter = evaluation.scatter(functional, STRETCH * lag.max(1));
             Estimate::new(scale * functional.value, scale * scatter.standard_error, scatter.number)
@@ -140,15 +145,31 @@ impl MultipleTau {
         Integral { estimate, cutoff: Some(choice.cutoff * self.spacing), decay_time }
     }
 
-    /// A time in samples.
-    pub(super) fn limit(&self, longest_time: Option<f64>) -> u64 {
-        longest_time.map_or(u64::MAX, |time| (time / self.spacing) as u64)
+    /// The correlation function of the pairs asked for.
+    pub(super) fn evaluation(&self) -> Evaluation {
+        Evaluation::new(self, 0..if self.pooled { 1 } else { self.equivalent })
+    }
+
+    /// Range of cutoffs in samples: up to the longest time, and from the time on at which the channels of unequal pairs forget.
+    ///
+    /// A cross-correlation may begin at zero and rise later: that it isn't seen at short times says nothing.
+    fn range(&self, longest_time: Option<f64>) -> Result<(u64, u64), String> {
+        let longest = longest_time.map_or(u64::MAX, |time| (time / self.spacing) as u64);
+        if self.equivalent == self.pairs.len() {
+            return Ok((1, longest));
+        }
+        let own = Evaluation::new(self, self.equivalent..self.pairs.len());
+        let choice = choose(&own, (1, longest), |end| own.window(end, |lag| taper(lag, end) * Quadrature::Summed.weight(lag)))?;
+        Ok((choice.forgotten(), longest))
     }
 
     /// Whether each pair's reverse is a pair, too.
     fn is_symmetric(&self) -> bool {
-        let occurrences = |pair: [usize; 2]| self.pairs.iter().filter(|other| **other == pair).count();
-        self.pairs.iter().all(|&[later, earlier]| occurrences([later, earlier]) == occurrences([earlier, later]))
+        let occurrences =
+            |pair: [usize; 2]| self.pairs[..self.equivalent].iter().filter(|other| **other == pair).count();
+        self.pairs[..self.equivalent]
+            .iter()
+            .all(|&[later, earlier]| occurrences([later, earlier]) == occurrences([earlier, later]))
     }
 }
 

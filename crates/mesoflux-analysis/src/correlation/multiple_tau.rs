@@ -1,11 +1,10 @@
 //! The multiple-tau correlator: correlations over many decades of time in bounded memory, with what their errors need.
 
-use super::sums::{DelayLine, Segment, bound};
+use super::sums::{DelayLine, LagSums};
 use crate::error::{AnalysisError, require_finite, require_length};
+use crate::segments::{Segment, Segments};
 use serde::{Deserialize, Serialize};
-
-/// Most segments of the run being recorded, and of all replicas merged into it.
-const SEGMENTS: usize = 64;
+use std::collections::BTreeSet;
 
 /// Streaming auto- and cross-correlations of sampled channels, `C_ab(t) = ⟨x_a(t) x_b(0)⟩`.
 ///
@@ -19,7 +18,7 @@ const SEGMENTS: usize = 64;
 /// **Levels.** Level ℓ holds averages over blocks of 2^ℓ samples and their products at lags of k blocks: 0 ≤ k < 16 at level 0,
 /// 8 ≤ k < 16 above. The correlation of averages over B samples at lag kB is the correlation of the samples smeared with a
 /// triangle of half-width B. Triangles weighted with w(kB) add up to the piecewise-linear function through these points, so
-/// integrals `Σ_t w(t) C(t)` with such a w come out *exactly* as from all lags of the samples.
+/// integrals `Σ_t w(t) C(t)` with such a w have *exactly* the expectation of those over all lags of the samples: smearing costs nothing.
 ///
 /// **Segments.** Sums are kept apart for up to 64 stretches of time (as many for merged replicas): when they are full, neighbors are joined. Products
 /// across their borders are kept. The scatter of segments gives the errors, whatever the law of the series.
@@ -30,22 +29,19 @@ const SEGMENTS: usize = 64;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MultipleTau {
     channels: usize,
+    /// The pairs asked for, and after them each channel of unequal pairs with itself: its memory is the least a cutoff must reach.
     pub(super) pairs: Vec<[usize; 2]>,
+    /// How many of them were asked for.
+    pub(super) equivalent: usize,
     pub(super) spacing: f64,
     /// Whether all pairs share one sum.
-    pooled: bool,
+    pub(super) pooled: bool,
     /// By channel, whether its mean is unknown and to be subtracted.
     pub(super) mean_removed: Vec<bool>,
     /// The first sample in channels whose mean is removed, else zero: all sums are relative to it. Empty before.
     pub(super) origin: Vec<f64>,
     lines: Vec<DelayLine>,
-    /// Segments of the run being recorded; the last one is open.
-    own: Vec<Segment>,
-    /// Samples in each of these but the last.
-    segment_length: u64,
-    merged: Vec<Segment>,
-    /// Runs merged so far.
-    runs: u64,
+    pub(super) segments: Segments<LagSums>,
 }
 
 impl MultipleTau {
@@ -68,18 +64,18 @@ impl MultipleTau {
             let requirement = "positive and finite";
             return Err(AnalysisError::OutOfRange { name: "spacing", value: spacing, requirement });
         }
+        let unequal = pairs.iter().filter(|[later, earlier]| later != earlier).flatten();
+        let own: Vec<[usize; 2]> = unequal.map(|&channel| [channel; 2]).collect::<BTreeSet<_>>().into_iter().collect();
         Ok(Self {
             channels,
-            pairs: pairs.to_vec(),
+            pairs: [pairs, &own].concat(),
+            equivalent: pairs.len(),
             spacing,
             pooled: false,
             mean_removed: vec![false; channels],
             origin: Vec::new(),
             lines: Vec::new(),
-            own: Vec::new(),
-            segment_length: 1,
-            merged: Vec::new(),
-            runs: 0,
+            segments: Segments::new(),
         })
     }
 
@@ -91,17 +87,19 @@ impl MultipleTau {
         Self::new(1, &[[0, 0]], spacing)
     }
 
-    /// Sums over all pairs at once, where there are too many to keep each apart, such as the velocities of all particles.
+    /// The mean autocorrelation of many channels, all in one sum, such as the velocities of all particles.
     ///
-    /// Errors then come from segments of time alone. Means are those of the model: they can't be removed.
-    #[must_use]
-    pub fn pooled(mut self) -> Self {
-        self.pooled = true;
-        self
+    /// Its errors come from segments of time alone. Means are known to be zero: they can't be removed.
+    ///
+    /// # Errors
+    /// If there are no channels, or the spacing isn't positive and finite.
+    pub fn pooled(channels: usize, spacing: f64) -> Result<Self, AnalysisError> {
+        let pairs: Vec<[usize; 2]> = (0..channels).map(|channel| [channel; 2]).collect();
+        Ok(Self { pooled: true, ..Self::new(channels, &pairs, spacing)? })
     }
 
     /// How many sums of products are kept apart.
-    pub(super) fn slots(&self) -> usize {
+    fn slots(&self) -> usize {
         if self.pooled { 1 } else { self.pairs.len() }
     }
 
@@ -111,10 +109,10 @@ impl MultipleTau {
     /// is estimated from the segments and added; what bias is left is smaller by about the square root of twice their number.
     ///
     /// # Errors
-    /// If there is no such channel, something was recorded already, or all pairs are pooled.
+    /// If there is no such channel, something was recorded already, or all channels are pooled.
     pub fn remove_mean(mut self, channel: usize) -> Result<Self, AnalysisError> {
         if self.pooled {
-            return Err(AnalysisError::Underdetermined("pooled pairs keep their means"));
+            return Err(AnalysisError::Underdetermined("pooled channels keep their means"));
         }
         if !self.origin.is_empty() {
             return Err(AnalysisError::Underdetermined("removing a mean must be decided before the first record"));
@@ -130,15 +128,13 @@ impl MultipleTau {
     ///
     /// For states from files: using one that doesn't fit may panic.
     pub fn accepts(&self, state: &Self) -> bool {
-        let mut segments = state.own.iter().chain(&state.merged);
+        let fits = |sums: &LagSums| sums.is_consistent(self.channels, self.slots());
         self.mismatch(state).is_none()
-            && (state.origin.len() == self.channels
-                || state.origin.is_empty() && state.own.is_empty() && state.merged.is_empty())
+            && state.pairs.len() == self.pairs.len()
+            && (state.origin.len() == self.channels || state.origin.is_empty() && state.count() == 0)
             && state.lines.len() <= u64::BITS as usize
             && state.lines.iter().all(|line| line.is_consistent(self.channels))
-            && state.own.len() <= SEGMENTS
-            && state.segment_length > 0
-            && segments.all(|segment| segment.is_consistent(self.channels, self.slots()))
+            && state.segments.are_consistent(fits)
     }
 
     /// The first parameter in which two correlators differ, and its values.
@@ -146,8 +142,8 @@ impl MultipleTau {
         if self.channels != other.channels {
             return Some(("channels", self.channels as f64, other.channels as f64));
         }
-        if self.pairs.len() != other.pairs.len() {
-            return Some(("pairs", self.pairs.len() as f64, other.pairs.len() as f64));
+        if self.equivalent != other.equivalent {
+            return Some(("pairs", self.equivalent as f64, other.equivalent as f64));
         }
         if self.slots() != other.slots() {
             return Some(("sums kept apart", self.slots() as f64, other.slots() as f64));
@@ -170,7 +166,7 @@ impl MultipleTau {
 
     /// Number of samples recorded, over all replicas.
     pub fn count(&self) -> u64 {
-        self.segments().map(|segment| segment.samples).sum()
+        self.segments.count()
     }
 
     /// Time between samples.
@@ -190,31 +186,20 @@ impl MultipleTau {
             self.origin = removed.map(|(&removed, value)| if removed { *value } else { 0.0 }).collect();
         }
         let mut block: Vec<f64> = sample.iter().zip(&self.origin).map(|(value, origin)| value - origin).collect();
-        let (segment, slots) = (self.open_segment(), self.slots());
-        self.own[segment].add_sample(&block);
+        let slots = self.slots();
+        let sums = self.segments.open(|| LagSums::new(self.channels));
+        sums.add_sample(&block);
         for level in 0.. {
             if level == self.lines.len() {
                 self.lines.push(DelayLine::new(self.channels));
             }
             self.lines[level].push(&block);
-            self.own[segment].add_latest(level, &self.lines[level], &self.pairs, slots);
+            sums.add_latest(level, &self.lines[level], &self.pairs, slots);
             if !self.lines[level].completes(&mut block) {
                 break;
             }
         }
         Ok(())
-    }
-
-    /// Index of the segment that takes the next sample, after making room.
-    fn open_segment(&mut self) -> usize {
-        if self.own.last().is_none_or(|last| last.samples >= self.segment_length) {
-            if self.own.len() == SEGMENTS {
-                bound(&mut self.own, SEGMENTS / 2);
-                self.segment_length *= 2;
-            }
-            self.own.push(Segment::new(0, self.channels));
-        }
-        self.own.len() - 1
     }
 
     /// Pools a replica: an independent series of the same quantity. No product spans the seam; what is recorded later continues `self`'s series.
@@ -232,22 +217,11 @@ impl MultipleTau {
             self.origin.clone_from(&other.origin);
         }
         let offset: Vec<f64> = other.origin.iter().zip(&self.origin).map(|(theirs, own)| theirs - own).collect();
-        for segment in other.merged.iter().chain(&other.own) {
-            let mut segment = segment.clone();
+        self.segments.merge(&other.segments, |segment: &mut Segment<LagSums>| {
             if !self.pooled {
-                segment.shift(&offset, &self.pairs);
+                segment.sums.shift(segment.samples, &offset, &self.pairs);
             }
-            // Run 0 is the one being recorded; the other's merged runs are numbered from 1.
-            segment.run += self.runs + 1;
-            self.merged.push(segment);
-        }
-        self.runs += other.runs + 1;
-        bound(&mut self.merged, SEGMENTS);
+        });
         Ok(())
-    }
-
-    /// All segments; those of one run stand together in order of time.
-    pub(super) fn segments(&self) -> impl Iterator<Item = &Segment> {
-        self.merged.iter().chain(&self.own)
     }
 }

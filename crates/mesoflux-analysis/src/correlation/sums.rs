@@ -1,6 +1,7 @@
-//! Sums of lagged products of block averages, kept apart by segments of time.
+//! Sums of lagged products of block averages.
 
 use super::{FIRST_LAG, LAGS};
+use crate::segments::Sums;
 use serde::{Deserialize, Serialize};
 
 /// The latest block averages of one level: what the next block is multiplied with.
@@ -30,14 +31,10 @@ pub(super) struct LevelSums {
     pub(super) earlier: Vec<f64>,
 }
 
-/// What was summed over one stretch of time. A product belongs to the segment in which its later block was completed.
+/// What a correlator sums. A product belongs to the segment in which its later block was completed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Segment {
-    /// Which run it is part of: only segments of one run are neighbors in time.
-    pub(super) run: u64,
-    /// Samples recorded.
-    pub(super) samples: u64,
-    /// Their sum, by channel.
+pub(super) struct LagSums {
+    /// Sum of the samples, by channel.
     pub(super) sum: Vec<f64>,
     pub(super) levels: Vec<LevelSums>,
 }
@@ -90,12 +87,12 @@ impl LevelSums {
             && [&self.products, &self.later, &self.earlier].iter().all(|sums| sums.len() == slots * lags)
     }
 
-    /// Adds the products of the latest block with those before it; of more pairs than there are sums for, into the only ones.
+    /// Adds the products of the latest block with those before it; of more pairs than there are slots, into the only one.
     fn add_latest(&mut self, line: &DelayLine, pairs: &[[usize; 2]]) {
         let lags = self.counts.len();
         let first = LAGS - lags;
-        let held = line.held.saturating_sub(first);
         let slots = self.products.len() / lags;
+        let held = line.held.saturating_sub(first);
         self.counts[..held].iter_mut().for_each(|count| *count += 1);
         for (index, &[later, earlier]) in pairs.iter().enumerate() {
             let start = index % slots * lags;
@@ -134,9 +131,9 @@ impl LevelSums {
     }
 }
 
-impl Segment {
-    pub(super) fn new(run: u64, channels: usize) -> Self {
-        Self { run, samples: 0, sum: vec![0.0; channels], levels: Vec::new() }
+impl LagSums {
+    pub(super) fn new(channels: usize) -> Self {
+        Self { sum: vec![0.0; channels], levels: Vec::new() }
     }
 
     pub(super) fn is_consistent(&self, channels: usize, slots: usize) -> bool {
@@ -146,7 +143,6 @@ impl Segment {
     }
 
     pub(super) fn add_sample(&mut self, sample: &[f64]) {
-        self.samples += 1;
         self.sum.iter_mut().zip(sample).for_each(|(sum, value)| *sum += value);
     }
 
@@ -157,21 +153,10 @@ impl Segment {
         self.levels[level].add_latest(line, pairs);
     }
 
-    /// Takes up another stretch of time.
-    pub(super) fn add(&mut self, other: &Self) {
-        self.samples += other.samples;
-        self.sum.iter_mut().zip(&other.sum).for_each(|(own, theirs)| *own += theirs);
-        for (own, theirs) in self.levels.iter_mut().zip(&other.levels) {
-            own.add(theirs);
-        }
-        let known = self.levels.len();
-        self.levels.extend(other.levels.iter().skip(known).cloned());
-    }
-
-    /// Rewrites all sums relative to an origin that lies below the present one by `offset` in each channel.
-    pub(super) fn shift(&mut self, offset: &[f64], pairs: &[[usize; 2]]) {
+    /// Rewrites all sums over `samples` samples relative to an origin that lies below the present one by `offset` in each channel.
+    pub(super) fn shift(&mut self, samples: u64, offset: &[f64], pairs: &[[usize; 2]]) {
         for (sum, offset) in self.sum.iter_mut().zip(offset) {
-            *sum += self.samples as f64 * offset;
+            *sum += samples as f64 * offset;
         }
         for level in &mut self.levels {
             for (pair, &[later, earlier]) in pairs.iter().enumerate() {
@@ -186,15 +171,13 @@ impl Segment {
     }
 }
 
-/// Joins neighbors, the shortest first and those of one run before others, until at most `limit` segments are left.
-pub(super) fn bound(segments: &mut Vec<Segment>, limit: usize) {
-    while segments.len() > limit {
-        let cost = |index: &usize| {
-            let (left, right) = (&segments[*index], &segments[index + 1]);
-            (left.run != right.run, left.samples + right.samples)
-        };
-        let Some(index) = (0..segments.len() - 1).min_by_key(cost) else { return };
-        let right = segments.remove(index + 1);
-        segments[index].add(&right);
+impl Sums for LagSums {
+    fn add(&mut self, other: &Self) {
+        self.sum.iter_mut().zip(&other.sum).for_each(|(own, theirs)| *own += theirs);
+        for (own, theirs) in self.levels.iter_mut().zip(&other.levels) {
+            own.add(theirs);
+        }
+        let known = self.levels.len();
+        self.levels.extend(other.levels.iter().skip(known).cloned());
     }
 }

@@ -2,7 +2,6 @@
 
 use super::MultipleTau;
 use super::cutoff::choose;
-use super::evaluation::Evaluation;
 use super::integral::{Quadrature, taper};
 use crate::blocking::Blocking;
 use crate::error::AnalysisError;
@@ -26,9 +25,12 @@ impl MultipleTau {
     /// Cutoff, error and refusal are those of [`integral`](Self::integral); the error of τ is that of the ratio, by the delta method.
     /// For observables with a mean other than zero, [`remove_mean`](Self::remove_mean).
     pub fn autocorrelation_time(&self) -> AutocorrelationTime {
-        let evaluation = Evaluation::new(self);
+        if self.pairs.iter().any(|[later, earlier]| later != earlier) {
+            return AutocorrelationTime::unknown("an autocorrelation time needs pairs of equal channels");
+        }
+        let evaluation = self.evaluation();
         let window = |end: u64| evaluation.window(end, |lag| taper(lag, end) * Quadrature::Summed.weight(lag));
-        let choice = match choose(&evaluation, self.limit(None), window) {
+        let choice = match choose(&evaluation, (1, u64::MAX), window) {
             Ok(choice) => choice,
             Err(reason) => return AutocorrelationTime::unknown(&reason),
         };

@@ -61,7 +61,7 @@ impl Viscosity {
     }
 }
 
-/// η = η_∞ + (1/VkT) ∫₀^∞ ⟨J₋(t) J₊(0)⟩ dt: see the book's page on Green–Kubo.
+/// η = η_∞ + (1/VkT) ∫₀^∞ ⟨J₊(t) J₋(0)⟩ dt: see the book's page on Green–Kubo.
 pub(super) struct NoiseFree {
     pub viscosity: Viscosity,
     pub parameters: CorrelationInput,
@@ -88,8 +88,8 @@ impl Route for NoiseFree {
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
         let interval = interval(input, self.parameters.sample_interval);
         let spacing = interval as f64 * input.dynamics.time_step;
-        // J₋ is the second series and comes later, J₊ is the first and comes earlier.
-        let correlator = self.viscosity.correlator(2, [1, 0], spacing)?;
+        // J₊, the first series, comes later; J₋, the second, comes earlier.
+        let correlator = self.viscosity.correlator(2, [0, 1], spacing)?;
         CorrelationRecorder::boxed(interval, Fluxes(self.viscosity), vec![correlator], 2)
     }
 

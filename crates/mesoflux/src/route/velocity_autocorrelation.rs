@@ -43,8 +43,7 @@ impl Route for VelocityAutocorrelation {
         let spacing = interval as f64 * input.dynamics.time_step;
         let followed = input.particles().min(FOLLOWED);
         let channels = 3 * followed as usize;
-        let pairs: Vec<[usize; 2]> = (0..channels).map(|channel| [channel, channel]).collect();
-        let correlator = MultipleTau::new(channels, &pairs, spacing)?.pooled();
+        let correlator = MultipleTau::pooled(channels, spacing)?;
         CorrelationRecorder::boxed(interval, Velocities { followed }, vec![correlator], 1)
     }
 
