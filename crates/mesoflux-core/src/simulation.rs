@@ -105,6 +105,7 @@ impl Simulation {
     /// A snapshot that doesn't fit.
     pub fn restore(&mut self, snapshot: SimulationSnapshot) -> Result<(), SnapshotError> {
         self.system.restore(snapshot.system)?;
+        self.booked = None;
         match (&mut self.integrator, snapshot.velocity_verlet) {
             (Integrator::VelocityVerlet(scheme), column)
                 if column.is_none_or(|column| self.system.particles.has_column(column)) =>

@@ -136,15 +136,23 @@ impl Naive {
     /// Conservative forces, and for each particle the sum of their magnitudes.
     pub fn forces(&self) -> (Vec<Vector>, Vec<f64>) {
         let (mut force, mut magnitude) = (vec![ZERO; self.q.len()], vec![0.0; self.q.len()]);
+        self.for_each_force(|[i, j], f, _, e| {
+            for (k, sign) in [(i, 1.0), (j, -1.0)] {
+                add_scaled(&mut force[k], sign * f, e);
+                magnitude[k] += f.abs();
+            }
+        });
+        (force, magnitude)
+    }
+
+    /// Calls `visit(pair, f, r, e)` for every pair, the conservative force on its first particle being f e.
+    fn for_each_force(&self, mut visit: impl FnMut([usize; 2], f64, f64, Vector)) {
         for i in 0..self.q.len() {
-            for j in (0..self.q.len()).filter(|&j| j != i) {
+            for j in 0..i {
                 let (r, e) = self.separation(i, j);
-                let f = self.conservative_force(i, j, r);
-                add_scaled(&mut force[i], f, e);
-                magnitude[i] += f.abs();
+                visit([i, j], self.conservative_force(i, j, r), r, e);
             }
         }
-        (force, magnitude)
     }
 
     /// All pairs closer than any law reaches, the smaller id first.
@@ -161,22 +169,22 @@ impl Naive {
     }
 
     pub fn kick(&mut self, t: f64) {
-        self.book_conservative(t);
-        let force = self.forces().0;
+        let force = self.booked_forces(t);
         for (p, f) in self.p.iter_mut().zip(force) {
             add_scaled(p, t, f);
         }
     }
 
-    /// r F e e of all pairs, over a time.
-    fn book_conservative(&mut self, t: f64) {
-        for i in 0..self.q.len() {
-            for j in 0..i {
-                let (r, e) = self.separation(i, j);
-                let force = self.conservative_force(i, j, r);
-                add_square(&mut self.flux.conservative, t * r * force, e);
-            }
-        }
+    /// The conservative forces; books their r F e e over a time.
+    fn booked_forces(&mut self, t: f64) -> Vec<Vector> {
+        let (mut force, mut flux) = (vec![ZERO; self.q.len()], self.flux.conservative);
+        self.for_each_force(|[i, j], f, r, e| {
+            add_scaled(&mut force[i], f, e);
+            add_scaled(&mut force[j], -f, e);
+            add_square(&mut flux, t * r * f, e);
+        });
+        self.flux.conservative = flux;
+        force
     }
 
     /// Eqs 27–29 for the pairs in the given order; returns Δp^D of eqs 60–61.
@@ -202,9 +210,8 @@ impl Naive {
 
     /// Groot and Warren's total force at the given velocities, with the noise of `step`; books its stress over `times` Δt.
     fn total_force(&mut self, velocity: &[Vector], dt: f64, noise: NoiseKey, step: u64, times: f64) -> Vec<Vector> {
-        self.book_conservative(times * dt);
         let draw = noise.draw(Purpose::Pair, step, 0);
-        let mut force = self.forces().0;
+        let mut force = self.booked_forces(times * dt);
         for (i, j) in self.pairs() {
             let (r, e) = self.separation(i, j);
             let strength = self.strength(i, j, r);
