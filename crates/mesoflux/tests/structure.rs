@@ -121,17 +121,17 @@ quantity = \"sound_speed\"
 routes.derivative = {}
 routes.fluctuation = {}
 ";
-    let ideal = fluid(300.0).replace("potential.soft = { repulsion = 25.0, cutoff = 1.0 }\n", "");
+    let ideal = fluid(200.0).replace("potential.soft = { repulsion = 25.0, cutoff = 1.0 }\n", "");
     let folder = Folder::with(&format!("{}{measures}", ideal.replace("[run]", "[species.fluid]\nmass = 4.0\n[run]")));
     let results = folder.run_for_results("");
     for (measurement, expected) in [("kappa", 1.0 / 3.0), ("c", 0.5)] {
         // κ_T = 1/(ρ kT), c_T = √(kT/m).
         let (found, standard_error) = value(&results, measurement, "fluctuation");
         println!("{measurement}: {found}({standard_error}) by fluctuation");
-        assert!(((found - expected) / standard_error).abs() < 3.0 && standard_error < 0.15 * expected);
+        assert!(((found - expected) / standard_error).abs() < 3.0 && standard_error < 0.2 * expected);
         let (found, standard_error) = value(&results, measurement, "derivative");
         println!("{measurement}: {found}({standard_error}) by derivative");
-        assert!(((found - expected) / standard_error).abs() < 3.0 && standard_error < 0.15 * expected);
+        assert!(((found - expected) / standard_error).abs() < 3.0 && standard_error < 0.2 * expected);
     }
     let kinds: Vec<&Value> =
         list(&results["runs"]).iter().filter(|run| run["route"] == "derivative").map(|run| &run["point"]).collect();
@@ -143,7 +143,7 @@ routes.fluctuation = {}
         assert!((row[1] / (row[0] * row[3]) - 1.0).abs() < 1e-6, "P = ρ kT at its own density: {row:?}");
     }
     let (_, rows) = table(&folder, "kappa-fluctuation.csv");
-    assert_eq!(rows.iter().map(|row| row[3]).collect::<Vec<_>>(), [3.0, 6.0, 4.0, 3.0]);
+    assert_eq!(rows.iter().map(|row| row[3]).collect::<Vec<_>>(), [3.0, 6.0, 4.0, 3.0, 12.0, 12.0]);
     assert!(rows.iter().all(|row| ((row[1] - 1.0) / row[2]).abs() < 3.5), "{rows:?}");
     assert_eq!(list(&results["comparisons"]).len(), 2, "the two routes share no run");
 }
