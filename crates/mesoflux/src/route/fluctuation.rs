@@ -66,7 +66,7 @@ impl Route for Fluctuation {
         });
         let header = ["wave_number [1/l]", "structure_factor [1]", "standard_error [1]", "wave_vectors [1]"];
         Ok(Outcome {
-            estimate: self.wanted.from_compressibility(estimate, input),
+            estimate: self.wanted.of_compressibility(estimate, input),
             conditions,
             table: Some(Table::new(header, rows.collect())),
             response: Vec::new(),
