@@ -9,7 +9,7 @@ use mesoflux_io::input::{FluctuationInput, Input};
 use mesoflux_io::results::{Conditions, Table};
 
 /// A term in k⁶ beyond so many of its standard errors counts as present.
-const PRESENT: f64 = 2.0;
+const PRESENT: f64 = 3.0;
 /// 1/S(0) within so many standard errors of zero has no inverse.
 const FEWEST_ERRORS: f64 = 3.0;
 
