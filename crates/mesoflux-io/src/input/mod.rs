@@ -221,7 +221,7 @@ impl RunInput {
 }
 
 /// `[check]`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CheckInput {
     /// `[check.time_step]`: everything once more with half the time step, in independent runs over the same times; the results

@@ -14,8 +14,8 @@ const CUTOFFS: f64 = 3.0;
 const MOST_BINS: u64 = 10_000;
 /// The most wave vectors.
 const MOST_WAVE_VECTORS: f64 = 1000.0;
-/// The fewest shells of wave vectors from which 1/S(k) can be extrapolated with an error that tells something.
-const FEWEST_SHELLS: usize = 3;
+/// The fewest shells of wave vectors from which 1/S(k) can be extrapolated by a parabola with an error that tells something.
+const FEWEST_SHELLS: usize = 4;
 
 /// `routes.histogram`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -62,7 +62,8 @@ impl DerivativeInput {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FluctuationInput {
-    /// The largest |k| at which S(k) is measured; 4π over the shortest side of the box if left out.
+    /// The largest |k| at which S(k) is measured; 2π√6 over the shortest side of the box if left out:
+    /// forty wave vectors of six lengths in a cube.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub largest_wave_number: Option<f64>,
 }
@@ -75,7 +76,7 @@ impl Input {
 
     /// The largest |k| at which S(k) is measured.
     pub fn largest_wave_number(&self, route: &FluctuationInput) -> f64 {
-        route.largest_wave_number.unwrap_or(TAU / self.half_side())
+        route.largest_wave_number.unwrap_or_else(|| 6f64.sqrt() * 0.5 * TAU / self.half_side())
     }
 
     fn half_side(&self) -> f64 {

@@ -18,7 +18,7 @@ pub(super) enum Wanted {
 
 impl Wanted {
     /// The estimate of what is wanted from that of κ_T.
-    pub(super) fn from_compressibility(self, compressibility: Estimate, input: &Input) -> Estimate {
+    pub(super) fn of_compressibility(self, compressibility: Estimate, input: &Input) -> Estimate {
         let (Self::SoundSpeed, Some(value)) = (self, compressibility.value) else {
             return compressibility;
         };
@@ -99,7 +99,7 @@ impl Route for Derivative {
         rows.sort_by(|a: &Vec<f64>, b| a[0].total_cmp(&b[0]));
         let header = ["density [1/l^3]", "pressure [e/l^3]", "standard_error [e/l^3]", "kinetic_temperature [e]"];
         Ok(Outcome {
-            estimate: self.wanted.from_compressibility(curve.coefficient, input),
+            estimate: self.wanted.of_compressibility(curve.coefficient, input),
             conditions,
             table: Some(Table::new(header, rows)),
             response: Vec::new(),

@@ -86,15 +86,16 @@ impl Route for Histogram {
 
 /// g of one bin from the series of its counts, `expected` being their mean for independent particles.
 ///
-/// A bin in which pairs are rare, or none was seen, is not known as well as its scatter says: the true mean of M independent counts
-/// is known to √(M + 1).
+/// A bin in which pairs are rare, or none was seen, is not known as well as its scatter says. Where M pairs were seen in all, the
+/// error is at least √(M + 2) of them: so 95 % intervals of independent counts hold a true mean of 3 to 50 in 94 to 98 % of cases,
+/// of less than 3 in all.
 fn distribution(series: &Blocking, expected: f64) -> Estimate {
     let mut count = series.estimate();
     let samples = series.count() as f64;
     if let (Some(mean), Some(error)) = (count.value, count.standard_error) {
         let pairs = mean * samples;
         if pairs < FEW_PAIRS {
-            count.standard_error = Some(error.max((pairs + 1.0).sqrt() / samples));
+            count.standard_error = Some(error.max((pairs + 2.0).sqrt() / samples));
         }
     }
     count.scaled(expected.recip())

@@ -57,6 +57,27 @@ quantity = "potential_energy"
 quantity = "diffusion_coefficient"
 "#;
 
+/// Every route to structure and thermodynamics.
+pub const STRUCTURE: &str = r#"
+[measure.g]
+quantity = "radial_distribution"
+routes.histogram = { bins = 20 }
+
+[measure.P_g]
+quantity = "pressure"
+routes.radial_distribution = {}
+
+[measure.kappa]
+quantity = "isothermal_compressibility"
+routes.derivative = { density_step = 0.05 }
+routes.fluctuation = {}
+
+[measure.c]
+quantity = "sound_speed"
+routes.derivative = { density_step = 0.05 }
+routes.fluctuation = {}
+"#;
+
 /// A folder in which the program runs.
 pub struct Folder(TempDir);
 
