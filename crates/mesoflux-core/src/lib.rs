@@ -9,6 +9,7 @@ pub mod boundary;
 pub mod domain;
 pub mod driving;
 pub mod elementary;
+pub mod expression;
 pub mod forcing;
 pub mod friction;
 pub mod integrate;

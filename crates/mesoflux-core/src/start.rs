@@ -228,7 +228,7 @@ pub fn check_overlaps(system: &mut System, temperature: f64) -> Result<(), Overl
     let (list, interactions, particles) = system.with_contacts();
     for contacts in list.contacts() {
         for k in 0..contacts.count() {
-            let Some(law) = interactions.potentials.entries()[contacts.kind(k)] else { continue };
+            let Some(law) = &interactions.potentials.entries()[contacts.kind(k)] else { continue };
             let (distance, _) = contacts.separation(k, &particles.position, &region);
             let energy = law.energy(distance);
             let energy = if energy.is_nan() { f64::INFINITY } else { energy };

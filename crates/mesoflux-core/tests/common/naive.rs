@@ -87,7 +87,7 @@ impl Naive {
                 let (r, e) = self.separation(i, j);
                 let law = self.interactions.potentials.get(self.species[i], self.species[j]);
                 let felt = self.apart[i][j] > u32::from(self.topology.range().potential);
-                let mut f = law.filter(|_| felt).map_or(0.0, |law| law.force(r));
+                let mut f = law.as_ref().filter(|_| felt).map_or(0.0, |law| law.force(r));
                 let joins = |bond: &&Bond| [(i, j), (j, i)].contains(&(bond.first as usize, bond.second as usize));
                 if let Some(bond) = self.topology.bonds().iter().find(joins) {
                     f += self.topology.laws()[usize::from(bond.law)].force(r);
