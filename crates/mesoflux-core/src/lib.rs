@@ -10,6 +10,7 @@ pub mod domain;
 pub mod driving;
 pub mod elementary;
 pub mod expression;
+pub mod field;
 pub mod forcing;
 pub mod friction;
 pub mod integrate;

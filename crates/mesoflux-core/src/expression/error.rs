@@ -39,6 +39,12 @@ impl ExpressionError {
         Self::new(text, Place::Whole, requirement)
     }
 
+    /// A parameter with a name that has a meaning already.
+    pub(crate) fn taken_name(text: &str, name: &str) -> Self {
+        let requirement = "must have another name: this one has a meaning already";
+        Self::new(text, Place::Parameter(name.to_owned()), requirement)
+    }
+
     pub(super) fn helped(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self

@@ -26,7 +26,7 @@ pub fn parse(
             return Err(fault("must be named by letters, digits and underscores, a letter first"));
         }
         if is_taken {
-            return Err(fault("must have another name: this one has a meaning already"));
+            return Err(ExpressionError::taken_name(text, name));
         }
         if !value.is_finite() {
             return Err(fault("must be a finite number"));

@@ -26,6 +26,11 @@ impl Input {
         let refused =
             |error: mesoflux_core::observable::ObservableError| Invalid::new(format!("{path}.quantity"), "", error);
         match measure.quantity {
+            Quantity::Pressure if !self.field.is_empty() => {
+                let requirement =
+                    "an external field makes the pressure another in every place: must be measured without [field]";
+                return Err(Invalid::new(format!("{path}.quantity"), "", requirement));
+            }
             Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
             Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
             _ => {}
