@@ -102,7 +102,7 @@ impl Interactions {
     /// One potential and one friction for all pairs of equal particles.
     pub fn uniform(potential: Option<Potential>, friction: Option<Friction>, mass: f64) -> Self {
         Self {
-            potentials: PairTable::from_fn(1, |_, _| potential.clone()),
+            potentials: PairTable { species: 1, entries: vec![potential] },
             frictions: PairTable::from_fn(1, |_, _| friction),
             inverse_reduced_masses: PairTable::from_fn(1, |_, _| 2.0 / mass),
         }

@@ -145,7 +145,7 @@ fn energy_is_conserved_in_a_field_and_momentum_where_it_does_not_push() {
         assert!(change[0].abs() > 1.0 && change[1].abs() < 1e-10 && change[2].abs() > 0.1, "{change:?}");
         largest
     };
-    let (coarse, fine) = (excursion(0.004), excursion(0.002));
+    let (coarse, fine) = (excursion(0.002), excursion(0.001));
     eprintln!("largest excursions of the energy: {coarse:.3e}, {fine:.3e}");
     assert!((3.0..5.5).contains(&(coarse / fine)), "not of second order: {coarse} and {fine}");
     assert!(coarse < 0.05, "{coarse}");

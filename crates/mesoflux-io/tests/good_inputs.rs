@@ -157,8 +157,8 @@ fn an_override_holds_in_both_orders_and_leaves_the_rest() {
     let laws = read("mixture.toml").input.interactions();
     let (large, small) = (0u8, 1u8);
     assert!(laws.potentials.get(small, small).as_ref().is_some_and(|law| law.cutoff() < 1.2), "that of all");
-    assert_eq!(laws.potentials.get(small, large).as_ref().map(|law| law.cutoff()), Some(3.0));
-    assert_eq!(laws.potentials.get(large, small).as_ref().map(|law| law.cutoff()), Some(3.0));
+    assert_eq!(laws.potentials.get(small, large).as_ref().map(mesoflux_core::potential::Potential::cutoff), Some(3.0));
+    assert_eq!(laws.potentials.get(large, small).as_ref().map(mesoflux_core::potential::Potential::cutoff), Some(3.0));
     assert!(laws.frictions.get(small, large).is_some(), "only the potential was overridden");
     assert!(laws.potentials.get(large, large).is_none() && laws.frictions.get(large, large).is_none());
 }

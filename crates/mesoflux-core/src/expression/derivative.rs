@@ -156,13 +156,13 @@ fn binary(graph: &mut Graph, function: Binary, node: Node, [x, y]: [Node; 2], [d
             first.plus(graph, second)
         }
         // (x' − f y')/y
-        Binary::Divide => match graph.value(y) {
-            Some(number) => dx.scaled(1.0 / number),
-            None => {
-                let rest = dy.scaled(-1.0).times(graph, node);
-                dx.plus(graph, rest).over(graph, y)
+        Binary::Divide => {
+            if let Some(number) = graph.value(y) {
+                return dx.scaled(1.0 / number);
             }
-        },
+            let rest = dy.scaled(-1.0).times(graph, node);
+            dx.plus(graph, rest).over(graph, y)
+        }
         // y xʸ⁻¹ x' + f ln x y'
         Binary::Power => {
             let one = graph.number(1.0);

@@ -14,6 +14,15 @@ pub enum Place {
     Parameter(String),
 }
 
+/// A name that isn't known, for those who want to guess which was meant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unknown {
+    /// The name.
+    pub name: String,
+    /// All that are known there.
+    pub known: Vec<String>,
+}
+
 /// An expression that can't be used.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExpressionError {
@@ -23,8 +32,8 @@ pub struct ExpressionError {
     pub place: Place,
     /// What is required.
     pub requirement: String,
-    /// An unknown name and all that are known there, for those who want to guess which was meant.
-    pub unknown: Option<(String, Vec<String>)>,
+    /// A name that isn't known.
+    pub unknown: Option<Box<Unknown>>,
     /// What might help.
     pub help: Option<String>,
 }

@@ -15,7 +15,7 @@ mod operation;
 mod parser;
 mod tape;
 
-pub use error::{ExpressionError, Place};
+pub use error::{ExpressionError, Place, Unknown};
 pub use functions::{CONSTANTS, FUNCTIONS, NamedFunction};
 pub use tape::Tape;
 

@@ -1,6 +1,6 @@
 //! From a text to a graph.
 
-use super::error::{ExpressionError, Place};
+use super::error::{ExpressionError, Place, Unknown};
 use super::functions::{CONSTANTS, FUNCTIONS, not};
 use super::graph::{Graph, Node};
 use super::operation::{Binary, Unary};
@@ -251,7 +251,7 @@ impl Parser<'_> {
     fn unknown(&self, name: &str, range: Range<usize>, known: Vec<String>) -> ExpressionError {
         let quoted: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
         let mut error = self.fault(range, format!("unknown name, must be one of {}", quoted.join(", ")));
-        error.unknown = Some((name.to_owned(), known));
+        error.unknown = Some(Box::new(Unknown { name: name.to_owned(), known }));
         error
     }
 

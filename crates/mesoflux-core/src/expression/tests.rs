@@ -100,8 +100,8 @@ fn faults_are_shown_where_they_are() {
         assert_eq!(parse(text).unwrap_err().to_string(), expected, "{text}");
     }
     assert_eq!(parse("log(x)").unwrap_err().help.unwrap(), "the natural logarithm is ln, that to base ten log10");
-    let (unknown, known) = parse("sgima*x").unwrap_err().unknown.unwrap();
-    assert_eq!((unknown.as_str(), known.contains(&"sigma".to_owned())), ("sgima", true));
+    let Unknown { name, known } = *parse("sgima*x").unwrap_err().unknown.unwrap();
+    assert_eq!((name.as_str(), known.contains(&"sigma".to_owned())), ("sgima", true));
     for deep in ["(".repeat(5000), "-".repeat(5000), "2^".repeat(5000), "sin(".repeat(5000)] {
         let error = parse(&deep).unwrap_err().to_string();
         assert!(error.contains("must not be nested deeper than 100 levels"), "{error}");

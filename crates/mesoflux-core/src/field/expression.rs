@@ -64,7 +64,7 @@ impl ExpressionField {
             let at = [number % SAMPLES, number / SAMPLES % SAMPLES, number / SAMPLES.pow(2)];
             let [x, y, z] = std::array::from_fn(|axis| coordinate(axis, at[axis]));
             let forces = self.force.iter().flatten().map(|tape| ("force", tape));
-            for (name, tape) in forces.chain([("energy", &self.energy)]) {
+            for (name, tape) in [("energy", &self.energy)].into_iter().chain(forces) {
                 let value = tape.value(&[x, y, z]);
                 if !value.is_finite() {
                     let requirement = format!("must be finite, but at x = {x}, y = {y}, z = {z} the {name} is {value}");
@@ -183,8 +183,8 @@ mod tests {
             refused("cos(2*pi*x/ly)").help.unwrap(),
             "the sides of the box are lx, ly, lz: cos(2*pi*x/lx) is periodic"
         );
-        assert_eq!(refused("1/(z - 4)").to_string(), "must be finite, but at x = 0, y = 0, z = 4 the force is -inf");
-        assert_eq!(refused("q + r").unknown.unwrap().0, "q");
+        assert_eq!(refused("1/(z - 4)").to_string(), "must be finite, but at x = 0, y = 0, z = 4 the energy is inf");
+        assert_eq!(refused("q + r").unknown.unwrap().name, "q");
         let parameters = BTreeMap::from([("lx".to_owned(), 0.7)]);
         let region = PeriodicBox::new([4.0, 5.0, 8.0]).unwrap();
         let error = ExpressionField::new("x", &parameters, &region).unwrap_err();

@@ -173,7 +173,8 @@ fn no_text(name: &str, error: &std::string::FromUtf8Error) -> InputError {
 fn fault(name: &str, text: &str, invalid: &Invalid) -> InputError {
     let mut span = locate(text, &invalid.path);
     let mut message = invalid.to_string();
-    if let (Some((part, shown)), Some(span)) = (&invalid.within, &mut span) {
+    if let (Some(within), Some(span)) = (&invalid.within, &mut span) {
+        let (part, shown) = within.as_ref();
         let inside = |quoted: &str| quoted.get(1..quoted.len() - 1).map(str::to_owned);
         if text.get(span.clone()).and_then(inside) == inside(&invalid.value) {
             // The text stands there as it is, in one pair of quotes.

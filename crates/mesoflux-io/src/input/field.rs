@@ -77,7 +77,7 @@ pub(super) fn wrong_expression(path: &str, error: &ExpressionError) -> Invalid {
             Invalid::new(place, format!("\"{}\"", error.text), &error.requirement).within(range.clone(), error.caret())
         }
     };
-    let nearest = error.unknown.as_ref().and_then(|(unknown, known)| super::diagnostic::nearest(unknown, known));
+    let nearest = error.unknown.as_ref().and_then(|unknown| super::diagnostic::nearest(&unknown.name, &unknown.known));
     let meant = || nearest.map(|name| format!("did you mean `{name}`?"));
     invalid.helped(error.help.clone().or_else(meant))
 }

@@ -18,7 +18,7 @@ pub struct Invalid {
     /// What might help.
     pub help: Option<String>,
     /// Which bytes of a text in quotes are at fault, and how to show them where the file writes it otherwise.
-    pub within: Option<(Range<usize>, String)>,
+    pub within: Option<Box<(Range<usize>, String)>>,
 }
 
 impl Invalid {
@@ -35,7 +35,7 @@ impl Invalid {
 
     /// The fault of a part of a text.
     pub(super) fn within(mut self, range: Range<usize>, shown: Option<String>) -> Self {
-        self.within = shown.map(|shown| (range, shown));
+        self.within = shown.map(|shown| Box::new((range, shown)));
         self
     }
 
