@@ -4,6 +4,10 @@
 //! These use only additions, multiplications, divisions, fused multiply-adds and bit operations, each correctly rounded by
 //! IEEE 754: every machine gives the same bits, for one number or for eight at a time. They have no branches.
 
+mod anywhere;
+
+pub use anywhere::{absolute, hyperbolic_tangent, logarithm, real_power, sine_ahead, square_root, wrapped};
+
 use crate::lanes::{Real, Words};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 

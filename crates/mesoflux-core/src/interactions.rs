@@ -102,7 +102,7 @@ impl Interactions {
     /// One potential and one friction for all pairs of equal particles.
     pub fn uniform(potential: Option<Potential>, friction: Option<Friction>, mass: f64) -> Self {
         Self {
-            potentials: PairTable::from_fn(1, |_, _| potential),
+            potentials: PairTable { species: 1, entries: vec![potential] },
             frictions: PairTable::from_fn(1, |_, _| friction),
             inverse_reduced_masses: PairTable::from_fn(1, |_, _| 2.0 / mass),
         }
@@ -128,7 +128,7 @@ impl Interactions {
     pub fn with_exclusions(self, occurring: &[Exclusion]) -> Self {
         let felt = |exclusion: Exclusion, excluded: bool| !excluded && occurring.contains(&exclusion);
         Self {
-            potentials: self.potentials.extended(|e, law| law.filter(|_| felt(e, e.potential()))),
+            potentials: self.potentials.extended(|e, law| law.clone().filter(|_| felt(e, e.potential()))),
             frictions: self.frictions.extended(|e, law| law.filter(|_| felt(e, e.friction()))),
             inverse_reduced_masses: self.inverse_reduced_masses.extended(|_, &mass| mass),
         }

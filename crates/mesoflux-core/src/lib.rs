@@ -9,6 +9,8 @@ pub mod boundary;
 pub mod domain;
 pub mod driving;
 pub mod elementary;
+pub mod expression;
+pub mod field;
 pub mod forcing;
 pub mod friction;
 pub mod integrate;

@@ -101,22 +101,27 @@ pub fn deal_species(counts: &[usize], noise: NoiseKey) -> Vec<u8> {
 ///
 /// Each momentum is normal with variance m kT; taking away the velocity of the center of mass is the exact condition.
 pub fn draw_momenta(particles: &mut Particles, temperature: f64, noise: NoiseKey) {
+    draw_free_momenta(particles, temperature, noise);
+    remove_drift(particles, [true; 3]);
+}
+
+/// Draws momenta from Maxwell's distribution at kT, whatever their sum.
+pub fn draw_free_momenta(particles: &mut Particles, temperature: f64, noise: NoiseKey) {
     let draw = noise.draw(Purpose::Start, 0, MOMENTA);
     for k in 0..particles.count() {
         let deviation = (temperature / particles.inverse_mass[k]).sqrt();
         let id = particles.id[k];
         particles.momentum[k] = std::array::from_fn(|axis| deviation * draw.gaussian(id, axis as u64));
     }
-    remove_drift(particles);
 }
 
-/// Takes away the velocity of the center of mass.
-pub fn remove_drift(particles: &mut Particles) {
+/// Takes away the velocity of the center of mass along the axes that are named.
+pub fn remove_drift(particles: &mut Particles, along: [bool; 3]) {
     let workers = crate::domain::Workers::One;
     let (total, mass) = (particles.total_momentum(workers), particles.total_mass(workers));
     for k in 0..particles.count() {
         let share = 1.0 / (particles.inverse_mass[k] * mass);
-        for axis in 0..3 {
+        for axis in (0..3).filter(|&axis| along[axis]) {
             particles.momentum[k][axis] -= share * total[axis];
         }
     }
@@ -228,7 +233,7 @@ pub fn check_overlaps(system: &mut System, temperature: f64) -> Result<(), Overl
     let (list, interactions, particles) = system.with_contacts();
     for contacts in list.contacts() {
         for k in 0..contacts.count() {
-            let Some(law) = interactions.potentials.entries()[contacts.kind(k)] else { continue };
+            let Some(law) = &interactions.potentials.entries()[contacts.kind(k)] else { continue };
             let (distance, _) = contacts.separation(k, &particles.position, &region);
             let energy = law.energy(distance);
             let energy = if energy.is_nan() { f64::INFINITY } else { energy };

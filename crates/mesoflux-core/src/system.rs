@@ -3,6 +3,7 @@
 use crate::bond::{Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
+use crate::field::Fields;
 use crate::integrate::Constraint;
 use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
@@ -86,6 +87,7 @@ pub struct System {
     /// Steps done since the start of the run.
     pub step: u64,
     topology: Topology,
+    fields: Fields,
     list: NeighborList,
     force: Vec<Row>,
     /// Room for velocities, for those who need them by row.
@@ -119,6 +121,7 @@ impl System {
             workers,
             step: 0,
             topology: Topology::default(),
+            fields: Fields::default(),
             list,
             force: Vec::new(),
             velocity: Vec::new(),
@@ -141,6 +144,19 @@ impl System {
         self.topology = topology;
         self.rebuild();
         self
+    }
+
+    /// The system in external fields.
+    #[must_use]
+    pub fn with_fields(mut self, fields: Fields) -> Self {
+        self.fields = fields;
+        self.forces_current = false;
+        self
+    }
+
+    /// The external fields.
+    pub fn fields(&self) -> &Fields {
+        &self.fields
     }
 
     /// The bonds.
@@ -242,6 +258,7 @@ impl System {
             self.force.resize(self.particles.count(), Row::default());
             conservative_forces(&self.list, &self.interactions, &mut self.force, self.workers);
             self.topology.add_forces(&self.particles, &self.region, &mut self.force, self.workers);
+            self.fields.add_forces(&self.particles, &self.region, &mut self.force, self.workers);
             self.forces_current = true;
         }
     }
@@ -250,11 +267,12 @@ impl System {
     pub(crate) fn velocity_dependent_forces(&mut self, velocity: &[Row], noise: &PairNoise) -> &[Row] {
         self.forces_current = false;
         self.force.resize(self.particles.count(), Row::default());
-        let Self { particles, interactions, topology, list, force, workers, .. } = self;
+        let Self { particles, interactions, topology, fields, list, force, workers, .. } = self;
         let kinds = kind_of_pair(interactions, topology);
         let kind: Option<&KindOfPair> = if interactions.single_kind() { None } else { Some(&kinds) };
         velocity_dependent_forces(list, interactions, particles, kind, velocity, noise, force, *workers);
         topology.add_forces(particles, &self.region, force, *workers);
+        fields.add_forces(particles, &self.region, force, *workers);
         force
     }
 
@@ -310,11 +328,13 @@ impl System {
         multiplier
     }
 
-    /// Potential energy, virial and Laplacian of pairs and bonds at the present positions.
+    /// Potential energy, virial and Laplacian of pairs, bonds and fields at the present positions; the virial is that of pairs
+    /// and bonds.
     pub fn pair_sums(&mut self) -> PairSums {
         self.update_contacts();
         pair_sums(&self.list, &self.interactions, &self.particles, self.workers)
             + self.topology.sums(&self.particles, &self.region)
+            + self.fields.sums(&self.particles, &self.region, self.workers)
     }
 
     /// The stress of pairs and bonds at the present positions and momenta, without noise.
@@ -363,9 +383,11 @@ impl System {
         self.layout
     }
 
-    /// kT as the momenta have it: Σ p²/m over 3(N − 1) degrees of freedom, the total momentum being fixed.
+    /// kT as the momenta have it: Σ p²/m over 3(N − 1) degrees of freedom, the total momentum being fixed; one more for each
+    /// axis along which a field pushes.
     pub fn kinetic_temperature(&self) -> f64 {
-        let degrees = 3.0 * (self.particles.count() as f64 - 1.0);
+        let fixed = self.fields.conserved().into_iter().filter(|&conserved| conserved).count();
+        let degrees = 3.0 * self.particles.count() as f64 - fixed as f64;
         self.particles.twice_kinetic_energy(self.workers) / degrees
     }
 }

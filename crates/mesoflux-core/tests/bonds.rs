@@ -48,8 +48,11 @@ impl Solution {
         let species = (0..count).map(|k| u8::from(k >= self.chains * self.beads)).collect();
         let mut particles = Particles::at_rest(sites, species, &[1.0, 1.0]);
         draw_momenta(&mut particles, 1.0, noise);
-        let laws =
-            interactions(&[1.0; 2], |a, b| self.potentials[a + b], |_, _| Some(Friction::Linear(friction(4.5, 1.2))));
+        let laws = interactions(
+            &[1.0; 2],
+            |a, b| self.potentials[a + b].clone(),
+            |_, _| Some(Friction::Linear(friction(4.5, 1.2))),
+        );
         let bonds = firsts.flat_map(|first| (first + 1..first + self.beads as u64).map(|k| k as u32));
         let bonds = bonds.map(|k| Bond { law: 0, first: k - 1, second: k }).collect();
         let topology = Topology::new(count, vec![self.law], bonds, self.range).unwrap();

@@ -94,6 +94,7 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
         ("from_extended_xyz.toml", soft(100, &[100], [3.2; 3])),
         ("molecules_in_file.toml", soft(100, &[100], [3.2; 3])),
         ("structure.toml", soft(192, &[192], [4.0; 3])),
+        ("expressions.toml", Derived { masses: &[1.0, 1.0], ..soft(500, &[100, 400], [4.0, 5.0, 8.5]) }),
         ("sweep.toml", Derived { sides: cube(500.0 / 3.0), density: 3.0, cutoff: 1.0, skin: 0.3, ..one }),
     ];
     assert_eq!(expected.len(), input_files("good").len(), "every good input has its derived values here");
@@ -156,9 +157,9 @@ fn steps_are_the_nearest_number_of_time_steps() {
 fn an_override_holds_in_both_orders_and_leaves_the_rest() {
     let laws = read("mixture.toml").input.interactions();
     let (large, small) = (0u8, 1u8);
-    assert!(laws.potentials.get(small, small).is_some_and(|law| law.cutoff() < 1.2), "that of all");
-    assert_eq!(laws.potentials.get(small, large).map(|law| law.cutoff()), Some(3.0));
-    assert_eq!(laws.potentials.get(large, small).map(|law| law.cutoff()), Some(3.0));
+    assert!(laws.potentials.get(small, small).as_ref().is_some_and(|law| law.cutoff() < 1.2), "that of all");
+    assert_eq!(laws.potentials.get(small, large).as_ref().map(mesoflux_core::potential::Potential::cutoff), Some(3.0));
+    assert_eq!(laws.potentials.get(large, small).as_ref().map(mesoflux_core::potential::Potential::cutoff), Some(3.0));
     assert!(laws.frictions.get(small, large).is_some(), "only the potential was overridden");
     assert!(laws.potentials.get(large, large).is_none() && laws.frictions.get(large, large).is_none());
 }
@@ -204,7 +205,7 @@ fn a_sweep_gives_every_combination_with_the_last_key_fastest() {
 }
 
 /// The tables whose keys are names of the user's choice.
-const NAMED: [&str; 5] = ["species", "pair", "measure", "bond", "molecule"];
+const NAMED: [&str; 6] = ["species", "pair", "measure", "bond", "molecule", "field"];
 
 /// The keys of every table, as paths in which names of the user's choice are `*`.
 fn tables(prefix: &str, table: &toml::Table, found: &mut BTreeMap<String, Vec<String>>) {
@@ -256,7 +257,7 @@ fn the_good_inputs_cover_every_key() {
 fn probes(prefix: &str, table: &toml::Table, found: &mut Vec<String>) {
     let named = prefix.strip_suffix('.').is_some_and(|name| NAMED.contains(&name));
     let translation = prefix.starts_with("system.start.") && prefix.matches('.').count() == 4;
-    let open = named || translation || prefix == "sweep.";
+    let open = named || translation || prefix == "sweep." || prefix.ends_with("parameters.");
     // A law is chosen by its only key.
     let choice = ["potential.", "friction.", "start."].iter().any(|end| prefix.ends_with(end));
     if !open && !choice {

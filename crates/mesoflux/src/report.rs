@@ -91,9 +91,14 @@ fn time_step(results: &Results) -> String {
 /// What a reader must know of how the runs went, one warning a line.
 pub fn remarks(results: &Results) -> String {
     let mut text = String::new();
+    let in_every_run =
+        |remark: &String| results.runs.len() > 1 && results.runs.iter().all(|run| run.remarks.contains(remark));
+    for remark in results.runs.first().iter().flat_map(|run| &run.remarks).filter(|remark| in_every_run(remark)) {
+        let _ = writeln!(text, "warning: every run: {remark}");
+    }
     for run in &results.runs {
         let point: String = run.point.iter().map(|(key, value)| format!(", {key} = {value}")).collect();
-        for remark in &run.remarks {
+        for remark in run.remarks.iter().filter(|remark| !in_every_run(remark)) {
             let _ = writeln!(text, "warning: {} run{point}, replica {}: {remark}", run.route, run.replica);
         }
     }

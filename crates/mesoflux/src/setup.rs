@@ -10,7 +10,7 @@ use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::simulation::Simulation;
 use mesoflux_core::start::{
-    Start, chain, check_overlaps, deal_species, draw_momenta, positions, relax_overlaps, remove_drift,
+    Start, chain, check_overlaps, deal_species, draw_free_momenta, positions, relax_overlaps, remove_drift,
 };
 use mesoflux_core::state::Particles;
 use mesoflux_core::system::System;
@@ -65,7 +65,8 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
     let topology = Topology::new(particles.count(), input.bond_laws(), input.bonds(), input.exclusion_range());
     let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)
         .map_err(|error| refused(error.to_string()))?
-        .with_bonds(topology.map_err(|error| refused(error.to_string()))?);
+        .with_bonds(topology.map_err(|error| refused(error.to_string()))?)
+        .with_fields(input.fields(&region).map_err(|error| refused(error.to_string()))?);
     let unfit = |source| JobError::Simulation { place: format!("{place}, start"), source };
     if relax {
         relax_overlaps(&mut system, temperature).map_err(unfit)?;
@@ -74,10 +75,10 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
         .map_err(|source| JobError::Overlap { place: place.to_owned(), source: Box::new(source) })?;
     system.positions_moved().map_err(unfit)?;
     if drawn {
-        draw_momenta(&mut system.particles, temperature, noise);
-    } else {
-        remove_drift(&mut system.particles);
+        draw_free_momenta(&mut system.particles, temperature, noise);
     }
+    let conserved = system.fields().conserved();
+    remove_drift(&mut system.particles, conserved);
     Ok(system)
 }
 
@@ -89,9 +90,12 @@ fn arranged(input: &Input, arrangement: Start, region: &PeriodicBox, noise: Nois
     let (mut species, mut sites) = (Vec::new(), Vec::new());
     for molecule in input.chains() {
         let length = |pair: &[u8]| {
-            let potential =
-                interactions.potentials.get(pair[0], pair[1]).filter(|_| input.exclusions.potential_within == 0);
-            laws[usize::from(molecule.bond)].most_likely_length(potential.as_ref(), input.dynamics.temperature)
+            let potential = interactions
+                .potentials
+                .get(pair[0], pair[1])
+                .as_ref()
+                .filter(|_| input.exclusions.potential_within == 0);
+            laws[usize::from(molecule.bond)].most_likely_length(potential, input.dynamics.temperature)
         };
         let lengths: Vec<f64> = molecule.species.windows(2).map(length).collect();
         for _ in 0..molecule.count {

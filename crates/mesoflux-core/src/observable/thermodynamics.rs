@@ -7,14 +7,14 @@ use crate::vector::dot;
 /// The thermodynamic state of one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thermodynamics {
-    /// kT from the momenta, Σ p²/m / (3(N − 1)).
+    /// kT from the momenta, Σ p²/m over the degrees of freedom.
     pub kinetic_temperature: f64,
     /// U.
     pub potential_energy: f64,
     /// P = ρ kT_kinetic + Σ r f(r)/(3V) over pairs and bonds.
     ///
     /// The kinetic part uses the kinetic temperature, so that the three degrees of freedom which the conserved total momentum
-    /// takes away leave no bias of order 1/N.
+    /// takes away leave no bias of order 1/N. In an external field it is no pressure of anything.
     pub pressure: f64,
     /// Σ |∇_i U|².
     pub force_squared: f64,

@@ -41,7 +41,7 @@ pub fn pair_sums(
     let parts = list.sweep(false, workers, |contacts| {
         let mut sums = PairSums::default();
         for k in 0..contacts.count() {
-            if let Some(law) = interactions.potentials.entries()[contacts.kind(k)] {
+            if let Some(law) = &interactions.potentials.entries()[contacts.kind(k)] {
                 let (r, _) = contacts.separation(k, &particles.position, list.region());
                 if r < law.cutoff() {
                     let force = law.force(r);

@@ -1,11 +1,13 @@
 //! Conservative pair laws: one file each, and the registry that the input file, the kernels and the manual share.
 
+pub mod expression;
 pub mod fene;
 pub mod harmonic;
 pub mod lennard_jones;
 pub mod soft;
 pub mod wca;
 
+use crate::expression::ExpressionError;
 use crate::lanes::{BlockNumbers, Lanes, Real};
 use crate::pair::PairLaw;
 use serde::{Deserialize, Serialize};
@@ -13,7 +15,7 @@ use serde::{Deserialize, Serialize};
 /// A radial pair potential u(r) with force f(r) = −u'(r), positive where it repels.
 ///
 /// The functions are called for 0 < r < cutoff only.
-pub trait PairPotential: Copy + Send + Sync {
+pub trait PairPotential: Clone + Send + Sync {
     /// r_c: no interaction at and beyond.
     fn cutoff(&self) -> f64;
     /// u(r).
@@ -27,6 +29,18 @@ pub trait PairPotential: Copy + Send + Sync {
     /// Below this distance two particles overlap so that a start must separate them; zero for soft laws.
     fn contact_distance(&self) -> f64 {
         0.0
+    }
+    /// What else a user must change, where a law is more than numbers.
+    fn fault(&self) -> Option<&ExpressionError> {
+        None
+    }
+    /// The forces at a block's distances, zero at and beyond the cutoff.
+    #[inline(always)]
+    fn fill<L: Lanes>(&self, streams: usize, distance: &BlockNumbers, values: &mut BlockNumbers) {
+        for s in 0..streams {
+            let r = L::load(&distance[s]);
+            L::select(r.below(L::splat(self.cutoff())), self.force(r), L::splat(0.0)).store(&mut values[s]);
+        }
     }
 }
 
@@ -64,7 +78,7 @@ impl std::fmt::Display for Requirement {
 }
 
 /// Any of the known pair potentials, by its name in the input file.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Potential {
     /// Groot and Warren's soft repulsion.
@@ -73,6 +87,8 @@ pub enum Potential {
     LennardJones(lennard_jones::LennardJones),
     /// Weeks, Chandler and Andersen.
     Wca(wca::Wca),
+    /// Whatever the user types.
+    Expression(expression::Expression),
 }
 
 /// Evaluates `$body` with the concrete law, so that a loop inside is compiled for that law alone.
@@ -82,6 +98,7 @@ macro_rules! with_law {
             Potential::Soft($law) => $body,
             Potential::LennardJones($law) => $body,
             Potential::Wca($law) => $body,
+            Potential::Expression($law) => $body,
         }
     };
 }
@@ -118,6 +135,11 @@ impl Potential {
         with_law!(self, law => law.contact_distance())
     }
 
+    /// What else a user must change, where a law is more than numbers.
+    pub fn fault(&self) -> Option<&ExpressionError> {
+        with_law!(self, law => law.fault())
+    }
+
     /// The jump of the energy at the cutoff, u(r_c⁻).
     pub fn energy_jump(&self) -> f64 {
         with_law!(self, law => law.energy(law.cutoff()))
@@ -132,12 +154,7 @@ impl Potential {
 impl PairLaw for Potential {
     #[inline(always)]
     fn fill<L: Lanes>(&self, streams: usize, distance: &BlockNumbers, values: &mut BlockNumbers) {
-        with_law!(self, law => {
-            for s in 0..streams {
-                let r = L::load(&distance[s]);
-                L::select(r.below(L::splat(law.cutoff())), law.force(r), L::splat(0.0)).store(&mut values[s]);
-            }
-        });
+        with_law!(self, law => law.fill::<L>(streams, distance, values));
     }
 }
 

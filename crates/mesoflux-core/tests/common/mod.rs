@@ -87,7 +87,7 @@ impl Fluid {
         let mut particles = Particles::at_rest(sites, deal_species(&counts, noise), &masses);
         draw_momenta(&mut particles, temperature, noise);
         let friction = Friction::Linear(self.friction);
-        let interactions = interactions(&masses, |_, _| self.potential, |_, _| Some(friction));
+        let interactions = interactions(&masses, |_, _| self.potential.clone(), |_, _| Some(friction));
         System::new(particles, region, interactions, self.skin, Workers::One).unwrap()
     }
 

@@ -86,7 +86,7 @@ impl Input {
         let all = self.pair.get("all");
         Interactions {
             potentials: PairTable::from_fn(species.len(), |a, b| {
-                find(a, b).and_then(|pair| pair.potential).or_else(|| all?.potential).flatten()
+                find(a, b).and_then(|pair| pair.potential.clone()).or_else(|| all?.potential.clone()).flatten()
             }),
             frictions: PairTable::from_fn(species.len(), |a, b| {
                 find(a, b).and_then(|pair| pair.friction).or_else(|| all?.friction).flatten()

@@ -171,7 +171,19 @@ fn no_text(name: &str, error: &std::string::FromUtf8Error) -> InputError {
 }
 
 fn fault(name: &str, text: &str, invalid: &Invalid) -> InputError {
-    let fault = Fault { span: locate(text, &invalid.path), message: invalid.to_string(), help: invalid.help.clone() };
+    let mut span = locate(text, &invalid.path);
+    let mut message = invalid.to_string();
+    if let (Some(within), Some(span)) = (&invalid.within, &mut span) {
+        let (part, shown) = within.as_ref();
+        let inside = |quoted: &str| quoted.get(1..quoted.len() - 1).map(str::to_owned);
+        if text.get(span.clone()).and_then(inside) == inside(&invalid.value) {
+            // The text stands there as it is, in one pair of quotes.
+            *span = span.start + 1 + part.start..span.start + 1 + part.end;
+        } else {
+            message += &format!("\n{shown}");
+        }
+    }
+    let fault = Fault { span, message, help: invalid.help.clone() };
     InputError::Wrong(fault.render(name, text))
 }
 

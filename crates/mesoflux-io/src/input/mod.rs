@@ -4,6 +4,7 @@ mod build;
 mod choice;
 mod diagnostic;
 mod document;
+mod field;
 mod molecules;
 mod routes;
 mod start;
@@ -16,6 +17,7 @@ mod wording;
 
 pub use choice::Magnitudes;
 pub use document::{InputError, InputFile, Setting};
+pub use field::FieldInput;
 pub use molecules::{BlockInput, BondInput, Chain, ExclusionsInput, MoleculeInput};
 pub use start::{FileStart, Files, Loaded, MomentaStart, StartInput};
 pub use structure::{DerivativeInput, DistributionInput, FluctuationInput};
@@ -54,6 +56,9 @@ pub struct Input {
     /// Which pair laws particles of one molecule don't feel.
     #[serde(default, skip_serializing_if = "ExclusionsInput::is_none")]
     pub exclusions: ExclusionsInput,
+    /// External fields, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub field: BTreeMap<String, FieldInput>,
     /// Temperature, integrator and time step.
     pub dynamics: DynamicsInput,
     /// How long, how often, with which seed.

@@ -42,6 +42,19 @@ impl Quantity {
         }
     }
 
+    /// Whether the quantity is one of a fluid that is the same everywhere and conserves momentum.
+    pub fn is_of_a_uniform_fluid(self) -> bool {
+        matches!(
+            self,
+            Self::Pressure
+                | Self::ShearViscosity
+                | Self::BulkViscosity
+                | Self::RadialDistribution
+                | Self::IsothermalCompressibility
+                | Self::SoundSpeed
+        )
+    }
+
     /// Whether the quantity belongs to an observable that must be named.
     pub fn needs_observable(self) -> bool {
         matches!(self, Self::CorrelationTime | Self::AsymptoticVariance | Self::ProbabilityDensity)

@@ -4,6 +4,7 @@ use super::Input;
 use mesoflux_core::integrate::Thermostat;
 use mesoflux_core::potential::Requirement;
 use std::fmt::Display;
+use std::ops::Range;
 
 /// A value that can't be.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,12 +17,26 @@ pub struct Invalid {
     pub requirement: String,
     /// What might help.
     pub help: Option<String>,
+    /// Which bytes of a text in quotes are at fault, and how to show them where the file writes it otherwise.
+    pub within: Option<Box<(Range<usize>, String)>>,
 }
 
 impl Invalid {
     /// A fault of the value at a path.
     pub fn new(path: impl Into<String>, value: impl Display, requirement: impl Display) -> Self {
-        Self { path: path.into(), value: value.to_string(), requirement: requirement.to_string(), help: None }
+        Self {
+            path: path.into(),
+            value: value.to_string(),
+            requirement: requirement.to_string(),
+            help: None,
+            within: None,
+        }
+    }
+
+    /// The fault of a part of a text.
+    pub(super) fn within(mut self, range: Range<usize>, shown: Option<String>) -> Self {
+        self.within = shown.map(|shown| Box::new((range, shown)));
+        self
     }
 
     /// The fault with what might help.
@@ -75,6 +90,7 @@ impl Input {
         self.validate_pairs()?;
         self.validate_dynamics()?;
         self.validate_run()?;
+        self.validate_fields()?;
         if self.check.time_step.is_some() {
             self.at_half_time_step().validate_run()?;
         }

@@ -26,6 +26,13 @@ impl Input {
         let refused =
             |error: mesoflux_core::observable::ObservableError| Invalid::new(format!("{path}.quantity"), "", error);
         match measure.quantity {
+            quantity if quantity.is_of_a_uniform_fluid() && !self.field.is_empty() => {
+                let requirement = format!(
+                    "an external field makes the fluid another in every place: {} must be measured without [field]",
+                    quantity.name().replace('_', " ")
+                );
+                return Err(Invalid::new(format!("{path}.quantity"), "", requirement));
+            }
             Quantity::Pressure | Quantity::ShearViscosity | Quantity::BulkViscosity => {
                 check_pressure(&laws).map_err(refused)?;
             }

@@ -1,6 +1,7 @@
 //! What species, system and pairs must fulfil.
 
 use super::Input;
+use super::field::wrong_expression;
 use super::validate::{Invalid, number, rounded, written};
 use mesoflux_core::potential::Requirement;
 
@@ -119,12 +120,17 @@ impl Input {
                     }
                 }
             }
-            let potential = pair.potential.flatten().map(|law| ("potential", law_name(&law), law.parameters()));
+            let potential = pair.potential.as_ref().and_then(Option::as_ref);
+            let fault = potential.and_then(|law| Some((law_name(law), law.fault()?)));
+            let potential = potential.map(|law| ("potential", law_name(law), law.parameters()));
             let friction = pair.friction.flatten().map(|law| ("friction", law_name(&law), law.parameters()));
             for (role, law, parameters) in potential.into_iter().chain(friction) {
                 for (parameter, value, requirement) in parameters {
                     number(&format!("{path}.{role}.{law}.{parameter}"), value, requirement)?;
                 }
+            }
+            if let Some((law, fault)) = fault {
+                return Err(wrong_expression(&format!("{path}.potential.{law}"), fault));
             }
         }
         if self.interactions().cutoff() == 0.0 {
