@@ -15,17 +15,22 @@ mod avx512;
 mod instruction_set;
 mod portable;
 mod real;
+mod single;
 mod twice;
 
 pub use instruction_set::InstructionSet;
 pub(crate) use instruction_set::Kernel;
 pub use real::{Real, Words};
+pub use single::{HalfWords, Single};
 pub use twice::Twice;
 
 use crate::vector::Vector;
 
 /// Numbers in one [`Lanes`].
 pub const WIDTH: usize = 8;
+
+/// Numbers in single precision that are worked on together.
+pub const SINGLE_WIDTH: usize = 2 * WIDTH;
 
 /// Something for each of up to eight times eight pairs, stream by stream; aligned, so that no load or store crosses a cache line.
 #[derive(Debug, Clone, Copy, Default)]
@@ -75,6 +80,8 @@ impl Row {
 
 /// Eight numbers.
 pub trait Lanes: Real {
+    /// Sixteen numbers in single precision.
+    type Single: Single;
     /// A row in a register.
     type Row: RowLanes;
     /// Sixteen candidates in registers.
@@ -106,6 +113,10 @@ pub trait Lanes: Real {
 
     /// The smaller and the larger of each two words, both below 2⁶³.
     fn sort_words(a: Self::Bits, b: Self::Bits) -> [Self::Bits; 2];
+    /// The lower halves of all words, those of `a` first.
+    fn lower_halves(a: Self::Bits, b: Self::Bits) -> <Self::Single as Single>::Bits;
+    /// The first eight and the last eight numbers in double precision.
+    fn widen(numbers: Self::Single) -> [Self; 2];
     /// Those lanes whose kind is the given one.
     fn of_kind(kinds: &[u16; WIDTH], kind: u16) -> Self::Mask;
     /// Lane k as row k: (x_k, y_k, z_k, 0).

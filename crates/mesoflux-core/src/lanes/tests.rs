@@ -1,7 +1,7 @@
 //! Every instruction set against single numbers, to the bit.
 
 use super::*;
-use crate::elementary::{exp, exp_minus_one, inverse_sqrt, ln, nearest_integer, sin_half_pi, sqrt};
+use crate::elementary::{exp, exp_minus_one, inverse_sqrt, ln, nearest_integer, sin_half_pi};
 use crate::noise::{NoiseKey, Purpose};
 
 /// Numbers of many sizes and both signs.
@@ -28,7 +28,7 @@ fn functions<R: Real>(a: R, b: R) -> [R; 13] {
         exp(small),
         exp_minus_one(small),
         ln(positive),
-        sqrt(positive),
+        positive.sqrt(),
         inverse_sqrt(positive),
         nearest_integer(a),
         one,
