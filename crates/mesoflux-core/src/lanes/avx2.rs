@@ -389,19 +389,59 @@ impl Candidates for Candidates2 {
     }
 
     #[inline(always)]
-    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
-        let mut count = 0;
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32 {
+        let mut mask = 0;
         for half in 0..2 {
-            let set = mask as usize >> (8 * half) & 0xff;
-            // SAFETY: AVX2 is there; eight words are loaded from the table, and stored to at most place eight, the count of the
-            // first half, and the seven after it.
-            unsafe {
-                let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_LANES[set].as_ptr().cast()));
-                let packed = _mm256_permutevar8x32_epi32(self.names[half], order);
-                _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), packed);
-            }
-            count += set.count_ones() as usize;
+            // SAFETY: AVX2 is there.
+            let near = unsafe {
+                let mut squares = [_mm256_setzero_ps(); 2];
+                for axis in 0..2 {
+                    let x = self.coordinates[axis + 1][half];
+                    let (below, above) =
+                        (_mm256_sub_ps(_mm256_set1_ps(low[axis]), x), _mm256_sub_ps(x, _mm256_set1_ps(high[axis])));
+                    let distance = _mm256_max_ps(_mm256_max_ps(below, above), _mm256_setzero_ps());
+                    squares[axis] = _mm256_mul_ps(distance, distance);
+                }
+                let sum = _mm256_add_ps(squares[0], squares[1]);
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(squared)))
+            };
+            mask |= (near as u32) << (8 * half);
         }
+        mask
+    }
+
+    #[inline(always)]
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]) {
+        for (axis, to) in to.into_iter().enumerate() {
+            // SAFETY: AVX2 is there.
+            let halves = unsafe {
+                let [a, b] = self.coordinates[axis];
+                [_mm256_castps_si256(a), _mm256_castps_si256(b)]
+            };
+            compress_halves(halves, mask, to.as_mut_ptr().cast());
+        }
+    }
+
+    #[inline(always)]
+    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
+        compress_halves(self.names, mask, to.as_mut_ptr());
+    }
+}
+
+/// Writes those of sixteen words whose bits are set to the front of the room for sixteen words at `to`.
+#[inline(always)]
+fn compress_halves(halves: [__m256i; 2], mask: u32, to: *mut u32) {
+    let mut count = 0;
+    for half in 0..2 {
+        let set = mask as usize >> (8 * half) & 0xff;
+        // SAFETY: AVX2 is there; eight words are loaded from the table, and stored to at most place eight, the count of the
+        // first half, and the seven after it.
+        unsafe {
+            let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_LANES[set].as_ptr().cast()));
+            let packed = _mm256_permutevar8x32_epi32(halves[half], order);
+            _mm256_storeu_si256(to.add(count).cast(), packed);
+        }
+        count += set.count_ones() as usize;
     }
 }
 

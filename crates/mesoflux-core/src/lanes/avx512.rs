@@ -346,6 +346,34 @@ impl Candidates for Candidates512 {
     }
 
     #[inline(always)]
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32 {
+        // SAFETY: AVX-512 is there.
+        unsafe {
+            let mut squares = [_mm512_setzero_ps(); 2];
+            for axis in 0..2 {
+                let x = self.coordinates[axis + 1];
+                let (below, above) =
+                    (_mm512_sub_ps(_mm512_set1_ps(low[axis]), x), _mm512_sub_ps(x, _mm512_set1_ps(high[axis])));
+                let distance = _mm512_max_ps(_mm512_max_ps(below, above), _mm512_setzero_ps());
+                squares[axis] = _mm512_mul_ps(distance, distance);
+            }
+            let sum = _mm512_add_ps(squares[0], squares[1]);
+            u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(sum, _mm512_set1_ps(squared)))
+        }
+    }
+
+    #[inline(always)]
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]) {
+        let [x, y, z] = to;
+        // SAFETY: AVX-512 is there; sixteen numbers are stored to each array of sixteen.
+        unsafe {
+            _mm512_storeu_ps(x.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.coordinates[0]));
+            _mm512_storeu_ps(y.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.coordinates[1]));
+            _mm512_storeu_ps(z.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.coordinates[2]));
+        }
+    }
+
+    #[inline(always)]
     fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
         // SAFETY: AVX-512 is there; sixteen words are stored to an array of sixteen.
         unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask as u16, self.names)) }

@@ -149,6 +149,10 @@ pub trait Candidates: Copy {
     fn load(names: &[u32; SEARCH_WIDTH], coordinates: [&[f32; SEARCH_WIDTH]; 3]) -> Self;
     /// Which of them lie within a squared distance of a point; bit k for candidate k.
     fn near(&self, point: [f32; 3], squared: f32) -> u32;
+    /// Which of them lie within a squared distance of a rectangle across the first axis; bit k for candidate k.
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32;
+    /// Writes the coordinates of those whose bits are set to the front of `to`; what stands behind them means nothing.
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]);
     /// Writes the names of those whose bits are set to the front of `to`; what stands behind them means nothing.
     fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]);
 }

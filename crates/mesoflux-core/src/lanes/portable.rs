@@ -249,6 +249,31 @@ impl Candidates for PortableCandidates {
     }
 
     #[inline(always)]
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32 {
+        let mut mask = 0;
+        for k in 0..SEARCH_WIDTH {
+            let [a, b] = from_fn(|axis| {
+                let x = self.coordinates[axis + 1][k];
+                (low[axis] - x).max(x - high[axis]).max(0.0)
+            });
+            mask |= u32::from(a * a + b * b < squared) << k;
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]) {
+        for (to, from) in to.into_iter().zip(&self.coordinates) {
+            let mut count = 0;
+            for k in 0..SEARCH_WIDTH {
+                // `count` is at most k, and below the width.
+                to[count] = from[k];
+                count += (mask >> k & 1) as usize;
+            }
+        }
+    }
+
+    #[inline(always)]
     fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
         let mut count = 0;
         for k in 0..SEARCH_WIDTH {
