@@ -239,20 +239,37 @@ mod tests {
     }
 
     #[test]
-    fn gaussian_has_the_moments_of_a_normal_deviate() {
-        let draw = NoiseKey::new(&[1]).draw(Purpose::Pair, 0, 0);
+    fn gaussians_have_the_moments_of_normal_deviates() {
+        let key = NoiseKey::new(&[1]);
+        let (start, pair) = (key.draw(Purpose::Start, 0, 0), key.draw(Purpose::Pair, 5, 1));
+        let sequences: [(&str, &dyn Fn(u64) -> f64); 4] = [
+            ("of one particle each", &|k| start.gaussian(k, 7)),
+            ("of pairs of one particle", &|k| pair.pair_gaussian(7, k + 8)),
+            ("of neighboring pairs", &|k| pair.pair_gaussian(k, k + 1)),
+            ("of one pair at all times", &|k| key.draw(Purpose::Pair, k, 0).pair_gaussian(3, 7)),
+        ];
         let n = 1_000_000;
-        let mut power_sums = [0.0; 5];
-        for k in 0..n {
-            let g = draw.gaussian(k, 7);
-            for (power, sum) in power_sums.iter_mut().enumerate() {
-                *sum += g.powi(power as i32);
+        for (name, deviate) in sequences {
+            let (mut power_sums, mut products, mut last) = ([0.0; 5], [0.0; 2], 0.0);
+            for k in 0..n {
+                let g = deviate(k);
+                for (power, sum) in power_sums.iter_mut().enumerate() {
+                    *sum += g.powi(power as i32);
+                }
+                products[0] += g * last;
+                products[1] += (g * g - 1.0) * (last * last - 1.0);
+                last = g;
             }
-        }
-        // Moments 0, 1, 0, 3 of order 1 to 4 and the variances of their estimates: 1, 2, 15, 96 over n.
-        for (order, moment, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
-            let z = (power_sums[order] / n as f64 - moment) / (variance / n as f64).sqrt();
-            assert!(z.abs() < 4.0, "moment {order}: z = {z}");
+            // Moments 0, 1, 0, 3 of order 1 to 4 and the variances of their estimates: 1, 2, 15, 96 over n.
+            for (order, moment, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
+                let z = (power_sums[order] / n as f64 - moment) / f64::sqrt(variance / n as f64);
+                assert!(z.abs() < 4.0, "{name}, moment {order}: z = {z}");
+            }
+            // Successive ones are independent, and so are their sizes.
+            for (sum, variance) in products.into_iter().zip([1.0, 4.0]) {
+                let z = sum / f64::sqrt(variance * n as f64);
+                assert!(z.abs() < 4.0, "{name}, correlation: z = {z}");
+            }
         }
     }
 
