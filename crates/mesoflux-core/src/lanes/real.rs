@@ -39,7 +39,7 @@ pub trait Real:
         for k in 2..coefficients.len() {
             chains[k % 2] = chains[k % 2].mul_add(square, Self::splat(coefficients[k]));
         }
-        let [even, odd] = if coefficients.len() % 2 == 0 { [chains[1], chains[0]] } else { chains };
+        let [even, odd] = if coefficients.len().is_multiple_of(2) { [chains[1], chains[0]] } else { chains };
         odd.mul_add(self, even)
     }
 }

@@ -58,19 +58,14 @@ const THIN: f64 = 0.05;
 #[derive(Debug, Clone)]
 struct Brick {
     coordinates: [usize; 2],
-    found: Found,
-}
-
-/// The contacts of one brick, and the room that it takes to find them.
-#[derive(Debug, Clone, Default)]
-struct Found {
     contacts: Contacts,
-    packed: [Packed; 2],
 }
 
 thread_local! {
-    /// Where a thread finds contacts that are forgotten right after.
-    static FOUND: RefCell<Found> = RefCell::default();
+    /// Where a thread packs the particles of two rows.
+    static PACKED: RefCell<[Packed; 2]> = RefCell::default();
+    /// Where a thread puts contacts that are forgotten right after.
+    static CONTACTS: RefCell<Contacts> = RefCell::default();
 }
 
 /// The kind of the pair of particles in two places.
@@ -126,7 +121,7 @@ impl NeighborList {
         }
         let grid = Grid::new(region, cutoff + skin, particles);
         let (order, color_starts) = grid.bricks_by_color();
-        let brick = |coordinates| Brick { coordinates, found: Found::default() };
+        let brick = |coordinates| Brick { coordinates, contacts: Contacts::default() };
         Ok(Self {
             region: *region,
             rows: vec![SearchRow::default(); grid.row_count()],
@@ -231,7 +226,7 @@ impl NeighborList {
         self.follow_rows(particles, workers);
         let mut bricks = std::mem::take(&mut self.bricks);
         workers.for_each(&mut bricks, |_, brick| {
-            self.find(brick.coordinates, particles, radius, kind, &mut brick.found);
+            self.find(brick.coordinates, particles, radius, kind, &mut brick.contacts);
         });
         self.bricks = bricks;
     }
@@ -249,11 +244,13 @@ impl NeighborList {
         particles: &Particles,
         radius: f64,
         kind: Option<&KindOfPair>,
-        Found { contacts, packed }: &mut Found,
+        contacts: &mut Contacts,
     ) {
         let Self { grid, region, rows, .. } = self;
         let squared = search_radius_squared(radius, region);
-        InstructionSet::detect().run(Search { grid, region, rows, brick, squared, packed, contacts });
+        PACKED.with_borrow_mut(|packed| {
+            InstructionSet::detect().run(Search { grid, region, rows, brick, squared, packed, contacts });
+        });
         if let Some(kind) = kind {
             contacts.set_kinds(|i, j| kind(particles, i, j));
         }
@@ -277,9 +274,9 @@ impl NeighborList {
         let list = &*self;
         for color in self.color_starts.windows(2) {
             workers.for_each_shared(&list.bricks[color[0]..color[1]], |brick| {
-                FOUND.with_borrow_mut(|found| {
-                    list.find(brick.coordinates, particles, list.cutoff, kind, found);
-                    work(list, &found.contacts);
+                CONTACTS.with_borrow_mut(|contacts| {
+                    list.find(brick.coordinates, particles, list.cutoff, kind, contacts);
+                    work(list, contacts);
                 });
             });
         }
@@ -301,14 +298,14 @@ impl NeighborList {
             let color = if backward { 3 - step } else { step };
             let range = self.color_starts[color]..self.color_starts[color + 1];
             let bricks = &self.bricks[range.clone()];
-            workers.for_each(&mut results[range], |k, result| *result = Some(work(&bricks[k].found.contacts)));
+            workers.for_each(&mut results[range], |k, result| *result = Some(work(&bricks[k].contacts)));
         }
         results.into_iter().flatten().collect()
     }
 
     /// The contacts of each brick, the bricks in the forward order of the sweep.
     pub fn contacts(&self) -> impl Iterator<Item = &Contacts> {
-        self.bricks.iter().map(|brick| &brick.found.contacts)
+        self.bricks.iter().map(|brick| &brick.contacts)
     }
 
     /// Positions and, as bits, ids at the time when the contacts were found, in storage order.

@@ -80,7 +80,7 @@ proptest! {
         for color in 0..4 {
             let mut owner = vec![None; 1000];
             for brick in &list.bricks[list.color_starts[color]..list.color_starts[color + 1]] {
-                for place in (0..brick.found.contacts.count()).flat_map(|k| brick.found.contacts.pair(k)) {
+                for place in (0..brick.contacts.count()).flat_map(|k| brick.contacts.pair(k)) {
                     let owner = &mut owner[place];
                     prop_assert!(owner.is_none() || *owner == Some(brick.coordinates));
                     *owner = Some(brick.coordinates);
