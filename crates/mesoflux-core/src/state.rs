@@ -27,6 +27,16 @@ pub struct Particles {
     pub columns: Vec<Vec<Vector>>,
 }
 
+/// Columns to write to when particles are put into another order.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SpareColumns {
+    words: Vec<u64>,
+    bytes: Vec<u8>,
+    vectors: Vec<Vector>,
+    integers: Vec<[i32; 3]>,
+    numbers: Vec<f64>,
+}
+
 /// The name of a registered column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Column(usize);
@@ -82,24 +92,29 @@ impl Particles {
     }
 
     /// Puts the particle that is now in place `order[k]` into place k.
-    pub(crate) fn reorder(&mut self, order: &[u32], workers: Workers) {
-        fn permute<T: Copy + Default + Send + Sync>(column: &mut Vec<T>, order: &[u32], workers: Workers) {
-            let mut permuted = vec![T::default(); column.len()];
-            workers.for_each_chunk(&mut permuted, |offset, chunk| {
+    pub(crate) fn reorder(&mut self, order: &[u32], spare: &mut SpareColumns, workers: Workers) {
+        fn permute<T: Copy + Default + Send + Sync>(
+            column: &mut Vec<T>,
+            order: &[u32],
+            spare: &mut Vec<T>,
+            workers: Workers,
+        ) {
+            spare.resize(column.len(), T::default());
+            workers.for_each_chunk(spare, |offset, chunk| {
                 for (entry, &k) in chunk.iter_mut().zip(&order[offset..]) {
                     *entry = column[k as usize];
                 }
             });
-            *column = permuted;
+            std::mem::swap(column, spare);
         }
-        permute(&mut self.id, order, workers);
-        permute(&mut self.species, order, workers);
-        permute(&mut self.position, order, workers);
-        permute(&mut self.crossings, order, workers);
-        permute(&mut self.momentum, order, workers);
-        permute(&mut self.inverse_mass, order, workers);
+        permute(&mut self.id, order, &mut spare.words, workers);
+        permute(&mut self.species, order, &mut spare.bytes, workers);
+        permute(&mut self.position, order, &mut spare.vectors, workers);
+        permute(&mut self.crossings, order, &mut spare.integers, workers);
+        permute(&mut self.momentum, order, &mut spare.vectors, workers);
+        permute(&mut self.inverse_mass, order, &mut spare.numbers, workers);
         for column in &mut self.columns {
-            permute(column, order, workers);
+            permute(column, order, &mut spare.vectors, workers);
         }
     }
 

@@ -53,19 +53,11 @@ impl Workers {
         }
     }
 
-    /// Calls `work(scratch, item)` for every item, large pieces of work each; `scratch` is made anew for each thread's share.
-    pub fn for_each_with<T: Sync, S: Send>(
-        self,
-        items: &[T],
-        scratch: impl Fn() -> S + Sync + Send,
-        work: impl Fn(&mut S, &T) + Sync + Send,
-    ) {
+    /// Calls `work(item)` for every item, large pieces of work each.
+    pub fn for_each_shared<T: Sync>(self, items: &[T], work: impl Fn(&T) + Sync + Send) {
         match self {
-            Self::One => {
-                let mut scratch = scratch();
-                items.iter().for_each(|item| work(&mut scratch, item));
-            }
-            Self::Pool => items.par_iter().for_each_init(scratch, work),
+            Self::One => items.iter().for_each(work),
+            Self::Pool => items.par_iter().for_each(work),
         }
     }
 

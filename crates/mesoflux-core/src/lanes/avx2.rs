@@ -3,7 +3,7 @@
 //! Every function here is called only inside `InstructionSet::run` with a set that has AVX2 and FMA and was detected on the
 //! machine: that is why their instructions may be used.
 
-use super::{Candidates, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
+use super::{Candidates, HalfWords, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, Single, WIDTH, Words};
 #[allow(clippy::wildcard_imports, reason = "dozens of names that begin alike and mean one thing each")]
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
@@ -15,6 +15,14 @@ pub struct Avx2([__m256d; 2]);
 /// Eight words in two registers.
 #[derive(Debug, Clone, Copy)]
 pub struct Words2([__m256i; 2]);
+
+/// Sixteen numbers in single precision in two registers.
+#[derive(Debug, Clone, Copy)]
+pub struct Single2([__m256; 2]);
+
+/// Sixteen words of 32 bits in two registers.
+#[derive(Debug, Clone, Copy)]
+pub struct HalfWords2([__m256i; 2]);
 
 /// An operator that is one instruction for each half.
 macro_rules! operator {
@@ -36,6 +44,11 @@ operator!(Avx2, Div, div, _mm256_div_pd);
 operator!(Words2, BitXor, bitxor, _mm256_xor_si256);
 operator!(Words2, BitAnd, bitand, _mm256_and_si256);
 operator!(Words2, BitOr, bitor, _mm256_or_si256);
+operator!(Single2, Add, add, _mm256_add_ps);
+operator!(Single2, Sub, sub, _mm256_sub_ps);
+operator!(Single2, Mul, mul, _mm256_mul_ps);
+operator!(Single2, Div, div, _mm256_div_ps);
+operator!(HalfWords2, BitAnd, bitand, _mm256_and_si256);
 
 impl Neg for Avx2 {
     type Output = Self;
@@ -65,6 +78,12 @@ impl Real for Avx2 {
         Self(unsafe {
             [_mm256_fmadd_pd(self.0[0], factor.0[0], term.0[0]), _mm256_fmadd_pd(self.0[1], factor.0[1], term.0[1])]
         })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: AVX2 is there.
+        Self(unsafe { [_mm256_sqrt_pd(self.0[0]), _mm256_sqrt_pd(self.0[1])] })
     }
 
     #[inline(always)]
@@ -142,7 +161,87 @@ impl Words for Words2 {
     }
 }
 
+impl Single for Single2 {
+    type Bits = HalfWords2;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: AVX2 is there.
+        Self([unsafe { _mm256_set1_ps(value) }; 2])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // SAFETY: FMA is there.
+        Self(unsafe {
+            [_mm256_fmadd_ps(self.0[0], factor.0[0], term.0[0]), _mm256_fmadd_ps(self.0[1], factor.0[1], term.0[1])]
+        })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: AVX2 is there.
+        Self(unsafe { [_mm256_sqrt_ps(self.0[0]), _mm256_sqrt_ps(self.0[1])] })
+    }
+
+    #[inline(always)]
+    fn from_integers(integers: Self::Bits) -> Self {
+        // SAFETY: AVX2 is there.
+        Self(unsafe { [_mm256_cvtepi32_ps(integers.0[0]), _mm256_cvtepi32_ps(integers.0[1])] })
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        // SAFETY: AVX2 is there.
+        HalfWords2(unsafe { [_mm256_castps_si256(self.0[0]), _mm256_castps_si256(self.0[1])] })
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        // SAFETY: AVX2 is there.
+        Self(unsafe { [_mm256_castsi256_ps(bits.0[0]), _mm256_castsi256_ps(bits.0[1])] })
+    }
+}
+
+impl HalfWords for HalfWords2 {
+    #[inline(always)]
+    fn splat(value: u32) -> Self {
+        // SAFETY: AVX2 is there.
+        Self([unsafe { _mm256_set1_epi32(value.cast_signed()) }; 2])
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        // SAFETY: AVX2 is there.
+        Self(unsafe { [_mm256_add_epi32(self.0[0], other.0[0]), _mm256_add_epi32(self.0[1], other.0[1])] })
+    }
+
+    #[inline(always)]
+    fn shift_down<const BITS: u32>(self) -> Self {
+        // SAFETY: AVX2 is there.
+        Self(unsafe {
+            [
+                _mm256_srl_epi32(self.0[0], _mm_cvtsi32_si128(BITS as i32)),
+                _mm256_srl_epi32(self.0[1], _mm_cvtsi32_si128(BITS as i32)),
+            ]
+        })
+    }
+}
+
+/// The lower halves of eight words in two registers.
+#[inline(always)]
+fn lower_halves(words: Words2) -> __m256i {
+    // SAFETY: AVX2 is there.
+    unsafe {
+        let [a, b] = [_mm256_castsi256_ps(words.0[0]), _mm256_castsi256_ps(words.0[1])];
+        // Of words 0, 1, 4, 5, 2, 3, 6, 7.
+        let even = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(a, b));
+        _mm256_permute4x64_epi64::<0b11_01_10_00>(even)
+    }
+}
+
 impl Lanes for Avx2 {
+    type Single = Single2;
     type Row = RowAvx;
     type Candidates = Candidates2;
 
@@ -194,6 +293,25 @@ impl Lanes for Avx2 {
             }
             [low, high]
         }
+    }
+
+    #[inline(always)]
+    fn lower_halves(a: Self::Bits, b: Self::Bits) -> HalfWords2 {
+        HalfWords2([lower_halves(a), lower_halves(b)])
+    }
+
+    #[inline(always)]
+    fn widen(numbers: Single2) -> [Self; 2] {
+        let mut wide = [Self::splat(0.0); 2];
+        for half in 0..2 {
+            // SAFETY: AVX2 is there.
+            unsafe {
+                let (lower, upper) =
+                    (_mm256_castps256_ps128(numbers.0[half]), _mm256_extractf128_ps::<1>(numbers.0[half]));
+                wide[half] = Self([_mm256_cvtps_pd(lower), _mm256_cvtps_pd(upper)]);
+            }
+        }
+        wide
     }
 
     #[inline(always)]
@@ -271,19 +389,59 @@ impl Candidates for Candidates2 {
     }
 
     #[inline(always)]
-    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
-        let mut count = 0;
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32 {
+        let mut mask = 0;
         for half in 0..2 {
-            let set = mask as usize >> (8 * half) & 0xff;
-            // SAFETY: AVX2 is there; eight words are loaded from the table, and stored to at most place eight, the count of the
-            // first half, and the seven after it.
-            unsafe {
-                let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_LANES[set].as_ptr().cast()));
-                let packed = _mm256_permutevar8x32_epi32(self.names[half], order);
-                _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), packed);
-            }
-            count += set.count_ones() as usize;
+            // SAFETY: AVX2 is there.
+            let near = unsafe {
+                let mut squares = [_mm256_setzero_ps(); 2];
+                for axis in 0..2 {
+                    let x = self.coordinates[axis + 1][half];
+                    let (below, above) =
+                        (_mm256_sub_ps(_mm256_set1_ps(low[axis]), x), _mm256_sub_ps(x, _mm256_set1_ps(high[axis])));
+                    let distance = _mm256_max_ps(_mm256_max_ps(below, above), _mm256_setzero_ps());
+                    squares[axis] = _mm256_mul_ps(distance, distance);
+                }
+                let sum = _mm256_add_ps(squares[0], squares[1]);
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(sum, _mm256_set1_ps(squared)))
+            };
+            mask |= (near as u32) << (8 * half);
         }
+        mask
+    }
+
+    #[inline(always)]
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]) {
+        for (axis, to) in to.into_iter().enumerate() {
+            // SAFETY: AVX2 is there.
+            let halves = unsafe {
+                let [a, b] = self.coordinates[axis];
+                [_mm256_castps_si256(a), _mm256_castps_si256(b)]
+            };
+            compress_halves(halves, mask, to.as_mut_ptr().cast());
+        }
+    }
+
+    #[inline(always)]
+    fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]) {
+        compress_halves(self.names, mask, to.as_mut_ptr());
+    }
+}
+
+/// Writes those of sixteen words whose bits are set to the front of the room for sixteen words at `to`.
+#[inline(always)]
+fn compress_halves(halves: [__m256i; 2], mask: u32, to: *mut u32) {
+    let mut count = 0;
+    for half in 0..2 {
+        let set = mask as usize >> (8 * half) & 0xff;
+        // SAFETY: AVX2 is there; eight words are loaded from the table, and stored to at most place eight, the count of the
+        // first half, and the seven after it.
+        unsafe {
+            let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_LANES[set].as_ptr().cast()));
+            let packed = _mm256_permutevar8x32_epi32(halves[half], order);
+            _mm256_storeu_si256(to.add(count).cast(), packed);
+        }
+        count += set.count_ones() as usize;
     }
 }
 

@@ -4,7 +4,7 @@
 //! why its instructions may be used.
 
 use super::avx2::RowAvx;
-use super::{Candidates, Lanes, Real, Row, SEARCH_WIDTH, WIDTH, Words};
+use super::{Candidates, HalfWords, Lanes, Real, Row, SEARCH_WIDTH, Single, WIDTH, Words};
 #[allow(clippy::wildcard_imports, reason = "dozens of names that begin alike and mean one thing each")]
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
@@ -16,6 +16,14 @@ pub struct Avx512(__m512d);
 /// Eight words in a register.
 #[derive(Debug, Clone, Copy)]
 pub struct Words512(__m512i);
+
+/// Sixteen numbers in single precision in a register.
+#[derive(Debug, Clone, Copy)]
+pub struct Single512(__m512);
+
+/// Sixteen words of 32 bits in a register.
+#[derive(Debug, Clone, Copy)]
+pub struct HalfWords512(__m512i);
 
 /// An operator that is one instruction.
 macro_rules! operator {
@@ -37,6 +45,11 @@ operator!(Avx512, Div, div, _mm512_div_pd);
 operator!(Words512, BitXor, bitxor, _mm512_xor_si512);
 operator!(Words512, BitAnd, bitand, _mm512_and_si512);
 operator!(Words512, BitOr, bitor, _mm512_or_si512);
+operator!(Single512, Add, add, _mm512_add_ps);
+operator!(Single512, Sub, sub, _mm512_sub_ps);
+operator!(Single512, Mul, mul, _mm512_mul_ps);
+operator!(Single512, Div, div, _mm512_div_ps);
+operator!(HalfWords512, BitAnd, bitand, _mm512_and_si512);
 
 impl Neg for Avx512 {
     type Output = Self;
@@ -61,6 +74,12 @@ impl Real for Avx512 {
     fn mul_add(self, factor: Self, term: Self) -> Self {
         // SAFETY: AVX-512 is there.
         Self(unsafe { _mm512_fmadd_pd(self.0, factor.0, term.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_sqrt_pd(self.0) })
     }
 
     #[inline(always)]
@@ -126,6 +145,66 @@ impl Words for Words512 {
     }
 }
 
+impl Single for Single512 {
+    type Bits = HalfWords512;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_set1_ps(value) })
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_fmadd_ps(self.0, factor.0, term.0) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn from_integers(integers: Self::Bits) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_cvtepi32_ps(integers.0) })
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        // SAFETY: AVX-512 is there.
+        HalfWords512(unsafe { _mm512_castps_si512(self.0) })
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_castsi512_ps(bits.0) })
+    }
+}
+
+impl HalfWords for HalfWords512 {
+    #[inline(always)]
+    fn splat(value: u32) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_set1_epi32(value.cast_signed()) })
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_add_epi32(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn shift_down<const BITS: u32>(self) -> Self {
+        // SAFETY: AVX-512 is there.
+        Self(unsafe { _mm512_srli_epi32::<BITS>(self.0) })
+    }
+}
+
 /// Index that joins the quarters 0 of two registers, then their quarters 2.
 #[inline(always)]
 fn even_quarters() -> __m512i {
@@ -141,6 +220,7 @@ fn odd_quarters() -> __m512i {
 }
 
 impl Lanes for Avx512 {
+    type Single = Single512;
     type Row = RowAvx;
     type Candidates = Candidates512;
 
@@ -185,6 +265,24 @@ impl Lanes for Avx512 {
     fn sort_words(a: Self::Bits, b: Self::Bits) -> [Self::Bits; 2] {
         // SAFETY: AVX-512 is there.
         unsafe { [Words512(_mm512_min_epu64(a.0, b.0)), Words512(_mm512_max_epu64(a.0, b.0))] }
+    }
+
+    #[inline(always)]
+    fn lower_halves(a: Self::Bits, b: Self::Bits) -> HalfWords512 {
+        // SAFETY: AVX-512 is there.
+        unsafe {
+            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            HalfWords512(_mm512_permutex2var_epi32(a.0, even, b.0))
+        }
+    }
+
+    #[inline(always)]
+    fn widen(numbers: Single512) -> [Self; 2] {
+        // SAFETY: AVX-512 is there.
+        unsafe {
+            let (first, second) = (_mm512_castps512_ps256(numbers.0), _mm512_extractf32x8_ps::<1>(numbers.0));
+            [Self(_mm512_cvtps_pd(first)), Self(_mm512_cvtps_pd(second))]
+        }
     }
 
     #[inline(always)]
@@ -244,6 +342,34 @@ impl Candidates for Candidates512 {
             let z = _mm512_sub_ps(_mm512_set1_ps(point[2]), self.coordinates[2]);
             let sum = _mm512_add_ps(_mm512_add_ps(_mm512_mul_ps(x, x), _mm512_mul_ps(y, y)), _mm512_mul_ps(z, z));
             u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(sum, _mm512_set1_ps(squared)))
+        }
+    }
+
+    #[inline(always)]
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32 {
+        // SAFETY: AVX-512 is there.
+        unsafe {
+            let mut squares = [_mm512_setzero_ps(); 2];
+            for axis in 0..2 {
+                let x = self.coordinates[axis + 1];
+                let (below, above) =
+                    (_mm512_sub_ps(_mm512_set1_ps(low[axis]), x), _mm512_sub_ps(x, _mm512_set1_ps(high[axis])));
+                let distance = _mm512_max_ps(_mm512_max_ps(below, above), _mm512_setzero_ps());
+                squares[axis] = _mm512_mul_ps(distance, distance);
+            }
+            let sum = _mm512_add_ps(squares[0], squares[1]);
+            u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(sum, _mm512_set1_ps(squared)))
+        }
+    }
+
+    #[inline(always)]
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]) {
+        let [x, y, z] = to;
+        // SAFETY: AVX-512 is there; sixteen numbers are stored to each array of sixteen.
+        unsafe {
+            _mm512_storeu_ps(x.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.coordinates[0]));
+            _mm512_storeu_ps(y.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.coordinates[1]));
+            _mm512_storeu_ps(z.as_mut_ptr(), _mm512_maskz_compress_ps(mask as u16, self.coordinates[2]));
         }
     }
 

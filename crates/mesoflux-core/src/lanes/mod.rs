@@ -15,17 +15,22 @@ mod avx512;
 mod instruction_set;
 mod portable;
 mod real;
+mod single;
 mod twice;
 
 pub use instruction_set::InstructionSet;
 pub(crate) use instruction_set::Kernel;
 pub use real::{Real, Words};
+pub use single::{HalfWords, Single};
 pub use twice::Twice;
 
 use crate::vector::Vector;
 
 /// Numbers in one [`Lanes`].
 pub const WIDTH: usize = 8;
+
+/// Numbers in single precision that are worked on together.
+pub const SINGLE_WIDTH: usize = 2 * WIDTH;
 
 /// Something for each of up to eight times eight pairs, stream by stream; aligned, so that no load or store crosses a cache line.
 #[derive(Debug, Clone, Copy, Default)]
@@ -75,6 +80,8 @@ impl Row {
 
 /// Eight numbers.
 pub trait Lanes: Real {
+    /// Sixteen numbers in single precision.
+    type Single: Single;
     /// A row in a register.
     type Row: RowLanes;
     /// Sixteen candidates in registers.
@@ -106,6 +113,10 @@ pub trait Lanes: Real {
 
     /// The smaller and the larger of each two words, both below 2⁶³.
     fn sort_words(a: Self::Bits, b: Self::Bits) -> [Self::Bits; 2];
+    /// The lower halves of all words, those of `a` first.
+    fn lower_halves(a: Self::Bits, b: Self::Bits) -> <Self::Single as Single>::Bits;
+    /// The first eight and the last eight numbers in double precision.
+    fn widen(numbers: Self::Single) -> [Self; 2];
     /// Those lanes whose kind is the given one.
     fn of_kind(kinds: &[u16; WIDTH], kind: u16) -> Self::Mask;
     /// Lane k as row k: (x_k, y_k, z_k, 0).
@@ -138,6 +149,10 @@ pub trait Candidates: Copy {
     fn load(names: &[u32; SEARCH_WIDTH], coordinates: [&[f32; SEARCH_WIDTH]; 3]) -> Self;
     /// Which of them lie within a squared distance of a point; bit k for candidate k.
     fn near(&self, point: [f32; 3], squared: f32) -> u32;
+    /// Which of them lie within a squared distance of a rectangle across the first axis; bit k for candidate k.
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32;
+    /// Writes the coordinates of those whose bits are set to the front of `to`; what stands behind them means nothing.
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]);
     /// Writes the names of those whose bits are set to the front of `to`; what stands behind them means nothing.
     fn compress(&self, mask: u32, to: &mut [u32; SEARCH_WIDTH]);
 }

@@ -1,6 +1,6 @@
 //! Lanes as plain arrays: for machines without vector instructions, and the reference for the others.
 
-use super::{Candidates, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, WIDTH, Words};
+use super::{Candidates, HalfWords, Lanes, Real, Row, RowLanes, SEARCH_WIDTH, SINGLE_WIDTH, Single, WIDTH, Words};
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Sub};
 
@@ -11,6 +11,14 @@ pub struct Portable([f64; WIDTH]);
 /// Eight words in an array.
 #[derive(Debug, Clone, Copy)]
 pub struct PortableWords([u64; WIDTH]);
+
+/// Sixteen numbers in single precision in an array.
+#[derive(Debug, Clone, Copy)]
+pub struct PortableSingle([f32; SINGLE_WIDTH]);
+
+/// Sixteen words of 32 bits in an array.
+#[derive(Debug, Clone, Copy)]
+pub struct PortableHalfWords([u32; SINGLE_WIDTH]);
 
 /// An operator of two operands, lane by lane.
 macro_rules! by_lane {
@@ -31,6 +39,11 @@ by_lane!(Portable, Div, div);
 by_lane!(PortableWords, BitXor, bitxor);
 by_lane!(PortableWords, BitAnd, bitand);
 by_lane!(PortableWords, BitOr, bitor);
+by_lane!(PortableSingle, Add, add);
+by_lane!(PortableSingle, Sub, sub);
+by_lane!(PortableSingle, Mul, mul);
+by_lane!(PortableSingle, Div, div);
+by_lane!(PortableHalfWords, BitAnd, bitand);
 
 impl Neg for Portable {
     type Output = Self;
@@ -52,6 +65,11 @@ impl Real for Portable {
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         Self(from_fn(|k| f64::mul_add(self.0[k], factor.0[k], term.0[k])))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f64::sqrt))
     }
 
     #[inline(always)]
@@ -107,7 +125,59 @@ impl Words for PortableWords {
     }
 }
 
+impl Single for PortableSingle {
+    type Bits = PortableHalfWords;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; SINGLE_WIDTH])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        Self(from_fn(|k| f32::mul_add(self.0[k], factor.0[k], term.0[k])))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+
+    #[inline(always)]
+    fn from_integers(integers: Self::Bits) -> Self {
+        Self(integers.0.map(f32::from_integers))
+    }
+
+    #[inline(always)]
+    fn to_bits(self) -> Self::Bits {
+        PortableHalfWords(self.0.map(f32::to_bits))
+    }
+
+    #[inline(always)]
+    fn from_bits(bits: Self::Bits) -> Self {
+        Self(bits.0.map(f32::from_bits))
+    }
+}
+
+impl HalfWords for PortableHalfWords {
+    #[inline(always)]
+    fn splat(value: u32) -> Self {
+        Self([value; SINGLE_WIDTH])
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        Self(from_fn(|k| self.0[k].plus(other.0[k])))
+    }
+
+    #[inline(always)]
+    fn shift_down<const BITS: u32>(self) -> Self {
+        Self(self.0.map(|x| x >> BITS))
+    }
+}
+
 impl Lanes for Portable {
+    type Single = PortableSingle;
     type Row = [f64; 4];
     type Candidates = PortableCandidates;
 
@@ -130,6 +200,16 @@ impl Lanes for Portable {
     #[inline(always)]
     fn sort_words(a: Self::Bits, b: Self::Bits) -> [Self::Bits; 2] {
         [PortableWords(from_fn(|k| a.0[k].min(b.0[k]))), PortableWords(from_fn(|k| a.0[k].max(b.0[k])))]
+    }
+
+    #[inline(always)]
+    fn lower_halves(a: Self::Bits, b: Self::Bits) -> PortableHalfWords {
+        PortableHalfWords(from_fn(|k| if k < WIDTH { a.0[k] as u32 } else { b.0[k - WIDTH] as u32 }))
+    }
+
+    #[inline(always)]
+    fn widen(numbers: PortableSingle) -> [Self; 2] {
+        [Self(from_fn(|k| f64::from(numbers.0[k]))), Self(from_fn(|k| f64::from(numbers.0[WIDTH + k])))]
     }
 
     #[inline(always)]
@@ -166,6 +246,31 @@ impl Candidates for PortableCandidates {
             mask |= u32::from((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2] < squared) << k;
         }
         mask
+    }
+
+    #[inline(always)]
+    fn near_rectangle(&self, low: [f32; 2], high: [f32; 2], squared: f32) -> u32 {
+        let mut mask = 0;
+        for k in 0..SEARCH_WIDTH {
+            let [a, b] = from_fn(|axis| {
+                let x = self.coordinates[axis + 1][k];
+                (low[axis] - x).max(x - high[axis]).max(0.0)
+            });
+            mask |= u32::from(a * a + b * b < squared) << k;
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn compress_coordinates(&self, mask: u32, to: [&mut [f32; SEARCH_WIDTH]; 3]) {
+        for (to, from) in to.into_iter().zip(&self.coordinates) {
+            let mut count = 0;
+            for k in 0..SEARCH_WIDTH {
+                // `count` is at most k, and below the width.
+                to[count] = from[k];
+                count += (mask >> k & 1) as usize;
+            }
+        }
     }
 
     #[inline(always)]

@@ -16,6 +16,9 @@ pub trait Real:
     /// self · factor + term, rounded once.
     #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// The square root, rounded once.
+    #[must_use]
+    fn sqrt(self) -> Self;
     /// self < other; no where either is no number.
     fn below(self, other: Self) -> Self::Mask;
     /// `yes` where the mask says so, else `no`.
@@ -25,15 +28,19 @@ pub trait Real:
     /// The numbers with these bits.
     fn from_bits(bits: Self::Bits) -> Self;
 
-    /// The value of a polynomial with the given coefficients, the highest power first.
+    /// The value of a polynomial with the given coefficients, at least two, the highest power first.
+    ///
+    /// Even and odd powers form two chains, each half as long as one would be, that a processor works on at the same time.
     #[must_use]
     #[inline(always)]
     fn polynomial(self, coefficients: &[f64]) -> Self {
-        let mut value = Self::splat(coefficients[0]);
-        for &coefficient in &coefficients[1..] {
-            value = value.mul_add(self, Self::splat(coefficient));
+        let square = self * self;
+        let mut chains = [Self::splat(coefficients[0]), Self::splat(coefficients[1])];
+        for k in 2..coefficients.len() {
+            chains[k % 2] = chains[k % 2].mul_add(square, Self::splat(coefficients[k]));
         }
-        value
+        let [even, odd] = if coefficients.len().is_multiple_of(2) { [chains[1], chains[0]] } else { chains };
+        odd.mul_add(self, even)
     }
 }
 
@@ -70,6 +77,11 @@ impl Real for f64 {
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         f64::mul_add(self, factor, term)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
     }
 
     #[inline(always)]

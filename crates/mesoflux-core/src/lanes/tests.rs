@@ -1,7 +1,7 @@
 //! Every instruction set against single numbers, to the bit.
 
 use super::*;
-use crate::elementary::{exp, exp_minus_one, inverse_sqrt, ln, nearest_integer, sin_half_pi, sqrt};
+use crate::elementary::{exp, exp_minus_one, inverse_sqrt, ln, nearest_integer, sin_half_pi};
 use crate::noise::{NoiseKey, Purpose};
 
 /// Numbers of many sizes and both signs.
@@ -28,7 +28,7 @@ fn functions<R: Real>(a: R, b: R) -> [R; 13] {
         exp(small),
         exp_minus_one(small),
         ln(positive),
-        sqrt(positive),
+        positive.sqrt(),
         inverse_sqrt(positive),
         nearest_integer(a),
         one,
@@ -150,8 +150,12 @@ fn rows_kinds_and_words_go_where_they_should_in_every_set() {
 /// A search among sixteen points.
 struct Near([f32; 3], [[f32; SEARCH_WIDTH]; 3], [u32; SEARCH_WIDTH]);
 
+/// Where the rectangle across the first axis lies.
+const LOW: [f32; 2] = [0.1, 0.3];
+const HIGH: [f32; 2] = [0.4, 0.5];
+
 impl Kernel for Near {
-    type Output = (u32, [u32; SEARCH_WIDTH]);
+    type Output = ([u32; 2], [u32; SEARCH_WIDTH], [[f32; SEARCH_WIDTH]; 3]);
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
@@ -159,7 +163,10 @@ impl Kernel for Near {
         let mask = candidates.near(self.0, 1.0);
         let mut packed = [0; SEARCH_WIDTH];
         candidates.compress(mask, &mut packed);
-        (mask, packed)
+        let mut coordinates = [[0.0; SEARCH_WIDTH]; 3];
+        let [x, y, z] = &mut coordinates;
+        candidates.compress_coordinates(mask, [x, y, z]);
+        ([mask, candidates.near_rectangle(LOW, HIGH, 0.3)], packed, coordinates)
     }
 }
 
@@ -175,10 +182,21 @@ fn every_set_finds_the_same_points_and_packs_them_in_order() {
         let names = std::array::from_fn(|k| 100 + k as u32);
         let near = |k: usize| (0..3).map(|axis| (point[axis] - others[axis][k]).powi(2)).sum::<f32>() < 1.0;
         let expected: Vec<u32> = (0..SEARCH_WIDTH).filter(|&k| near(k)).map(|k| names[k]).collect();
+        let square = |axis: usize, k: usize| {
+            let x = others[1 + axis][k];
+            (x - x.clamp(LOW[axis], HIGH[axis])).powi(2)
+        };
+        let near_rectangle =
+            (0..SEARCH_WIDTH).fold(0, |mask, k| mask | u32::from(square(0, k) + square(1, k) < 0.3) << k);
         for set in InstructionSet::available() {
-            let (mask, packed) = set.run(Near(point, others, names));
+            let ([mask, beside], packed, coordinates) = set.run(Near(point, others, names));
             assert_eq!(mask.count_ones() as usize, expected.len(), "{set:?}");
             assert_eq!(&packed[..expected.len()], &expected[..], "{set:?}");
+            assert_eq!(beside, near_rectangle, "{set:?}");
+            for (to, from) in coordinates.iter().zip(&others) {
+                let expected: Vec<f32> = (0..SEARCH_WIDTH).filter(|&k| near(k)).map(|k| from[k]).collect();
+                assert_eq!(&to[..expected.len()], &expected[..], "{set:?}");
+            }
         }
     }
 }

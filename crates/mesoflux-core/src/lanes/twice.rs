@@ -53,6 +53,11 @@ impl<R: Real> Real for Twice<R> {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+
+    #[inline(always)]
     fn below(self, other: Self) -> Self::Mask {
         (self.0.below(other.0), self.1.below(other.1))
     }

@@ -21,6 +21,13 @@ const MOST_CELLS: f64 = 30_000.0;
 /// The fewest particles that are worth a brick of their own.
 const PARTICLES_PER_BRICK: f64 = 100.0;
 
+/// Bricks across an axis that are enough for many threads. Where there are more rows bricks are thicker, because the fewer
+/// particles are seen by several bricks, the fewer are fetched into the cache several times.
+const MANY_BRICKS: usize = 10;
+
+/// The most rows that a brick is thick for that reason: its particles should stay in a cache.
+const MOST_THICK: usize = 4;
+
 /// Geometry of rows, cells and bricks.
 #[derive(Debug, Clone)]
 pub struct Grid {
@@ -73,8 +80,9 @@ impl Grid {
             narrowest.min((along / list_radius).max(population).min(CELLS_PER_PARTICLE * population + 2.0).floor());
         let cells = cells.clamp(2.0, MOST_CELLS) as usize;
         let reach = (list_radius * cells as f64 / along).ceil() as usize;
-        let thickness = (PARTICLES_PER_BRICK / population).sqrt().ceil().max(1.0);
-        let bricks = rows.map(|rows| ((rows as f64 / thickness) as usize / 2 * 2).max(1));
+        let worthwhile = (PARTICLES_PER_BRICK / population).sqrt().ceil() as usize;
+        let thickness = rows.map(|rows| (rows / MANY_BRICKS).clamp(1, MOST_THICK).max(worthwhile));
+        let bricks = [0, 1].map(|k| (rows[k] / thickness[k] / 2 * 2).max(1));
         let inverse_edge = [cells as f64 / along, rows[0] as f64 / first, rows[1] as f64 / second];
         Self { axes, cells, reach, rows, bricks, inverse_edge }
     }

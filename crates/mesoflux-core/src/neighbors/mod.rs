@@ -10,6 +10,7 @@
 //! in which order these are visited. Threads, timings and how often the particles were sorted leave no trace.
 
 mod grid;
+mod packed;
 mod rows;
 mod search;
 
@@ -20,10 +21,12 @@ use crate::domain::Workers;
 use crate::interactions::Kind;
 use crate::lanes::{InstructionSet, Row};
 use crate::pair::Contacts;
-use crate::state::Particles;
+use crate::state::{Particles, SpareColumns};
 use crate::vector::{Vector, dot, subtract};
+use packed::Packed;
 use rows::{SearchRow, search_radius_squared};
 use search::Search;
+use std::cell::RefCell;
 
 /// A neighbor list that cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,8 +61,29 @@ struct Brick {
     contacts: Contacts,
 }
 
+thread_local! {
+    /// Where a thread packs the particles of two rows.
+    static PACKED: RefCell<[Packed; 2]> = RefCell::default();
+    /// Where a thread puts contacts that are forgotten right after.
+    static CONTACTS: RefCell<Contacts> = RefCell::default();
+}
+
 /// The kind of the pair of particles in two places.
 pub type KindOfPair<'a> = dyn Fn(&Particles, u32, u32) -> Kind + Sync + 'a;
+
+/// What a sorting needs room for.
+#[derive(Debug, Clone, Default)]
+struct Sorting {
+    /// The cell of each particle.
+    cell: Vec<u32>,
+    /// Where each cell begins, and where the last one ends.
+    starts: Vec<u32>,
+    /// Where the next particle of each cell goes.
+    next: Vec<u32>,
+    /// The old place of each particle.
+    order: Vec<u32>,
+    spare: SpareColumns,
+}
 
 /// The neighbor list of a system.
 #[derive(Debug, Clone)]
@@ -76,6 +100,7 @@ pub struct NeighborList {
     points: Vec<Row>,
     /// Positions at the last sorting, in storage order.
     reference: Vec<Vector>,
+    sorting: Sorting,
     /// Whether contacts are kept from one sorting to the next.
     keeps_contacts: bool,
     builds: u64,
@@ -107,6 +132,7 @@ impl NeighborList {
             color_starts,
             points: Vec::new(),
             reference: Vec::new(),
+            sorting: Sorting::default(),
             keeps_contacts: skin <= THIN * cutoff,
             builds: 0,
         })
@@ -141,8 +167,8 @@ impl NeighborList {
                 region.wrap(position, crossings);
             }
         });
-        let starts = self.sort_by_cell(particles, workers);
-        let (grid, cells) = (&self.grid, self.grid.cells);
+        self.sort_by_cell(particles, workers);
+        let (grid, cells, starts) = (&self.grid, self.grid.cells, &self.sorting.starts);
         workers.for_each(&mut self.rows, |number, row| row.sort(grid, &starts[number * cells..=(number + 1) * cells]));
         self.reference.clone_from(&particles.position);
         self.builds += 1;
@@ -151,29 +177,29 @@ impl NeighborList {
         }
     }
 
-    /// Sorts the particles by cell; returns where each cell begins.
-    fn sort_by_cell(&self, particles: &mut Particles, workers: Workers) -> Vec<u32> {
-        let grid = &self.grid;
-        let mut cell = vec![0u32; particles.count()];
-        workers.for_each_chunk(&mut cell, |offset, cells| {
+    /// Sorts the particles by cell.
+    fn sort_by_cell(&mut self, particles: &mut Particles, workers: Workers) {
+        let (grid, Sorting { cell, starts, next, order, spare }) = (&self.grid, &mut self.sorting);
+        cell.resize(particles.count(), 0);
+        workers.for_each_chunk(cell, |offset, cells| {
             for (cell, position) in cells.iter_mut().zip(&particles.position[offset..]) {
                 *cell = grid.cell_of(position) as u32;
             }
         });
-        let mut starts = vec![0u32; grid.cell_count() + 1];
+        starts.clear();
+        starts.resize(grid.cell_count() + 1, 0);
         cell.iter().for_each(|&c| starts[c as usize + 1] += 1);
         for c in 0..grid.cell_count() {
             starts[c + 1] += starts[c];
         }
-        let mut next = starts.clone();
-        let mut order = vec![0u32; particles.count()];
+        next.clone_from(starts);
+        order.resize(particles.count(), 0);
         for (k, &c) in cell.iter().enumerate() {
             let place = &mut next[c as usize];
             order[*place as usize] = k as u32;
             *place += 1;
         }
-        particles.reorder(&order, workers);
-        starts
+        particles.reorder(order, spare, workers);
     }
 
     /// Brings the contacts up to date with the present positions; `kind` as for `build`.
@@ -222,7 +248,9 @@ impl NeighborList {
     ) {
         let Self { grid, region, rows, .. } = self;
         let squared = search_radius_squared(radius, region);
-        InstructionSet::detect().run(Search { grid, region, rows, brick, squared, contacts });
+        PACKED.with_borrow_mut(|packed| {
+            InstructionSet::detect().run(Search { grid, region, rows, brick, squared, packed, contacts });
+        });
         if let Some(kind) = kind {
             contacts.set_kinds(|i, j| kind(particles, i, j));
         }
@@ -245,9 +273,11 @@ impl NeighborList {
         self.follow_rows(particles, workers);
         let list = &*self;
         for color in self.color_starts.windows(2) {
-            workers.for_each_with(&list.bricks[color[0]..color[1]], Contacts::default, |contacts, brick| {
-                list.find(brick.coordinates, particles, list.cutoff, kind, contacts);
-                work(list, contacts);
+            workers.for_each_shared(&list.bricks[color[0]..color[1]], |brick| {
+                CONTACTS.with_borrow_mut(|contacts| {
+                    list.find(brick.coordinates, particles, list.cutoff, kind, contacts);
+                    work(list, contacts);
+                });
             });
         }
     }

@@ -35,6 +35,24 @@ pub struct SearchRow {
     coordinates: [Vec<f32>; 3],
     /// The places in storage of the row's own particles.
     own: Range<u32>,
+    /// The smallest rectangle across the rows in which they are.
+    rectangle: Rectangle,
+}
+
+/// A rectangle across the rows, by its lowest and highest coordinates.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Rectangle {
+    pub low: [f32; 2],
+    pub high: [f32; 2],
+}
+
+impl Rectangle {
+    /// The rectangle moved.
+    #[inline(always)]
+    pub fn shifted(&self, shift: [f32; 2]) -> Self {
+        let Self { low: [a, b], high: [c, d] } = *self;
+        Self { low: [a + shift[0], b + shift[1]], high: [c + shift[0], d + shift[1]] }
+    }
 }
 
 impl SearchRow {
@@ -80,52 +98,70 @@ impl SearchRow {
         copy(0..lower, &positions[positions.len() - lower..], -side);
         copy(lower..upper, positions, 0.0);
         copy(upper..end, positions, side);
+        for axis in 0..2 {
+            let (low, high) = (&mut self.rectangle.low[axis], &mut self.rectangle.high[axis]);
+            (*low, *high) = (f32::INFINITY, f32::NEG_INFINITY);
+            for &coordinate in &self.coordinates[1 + axis][lower..upper] {
+                *low = if coordinate < *low { coordinate } else { *low };
+                *high = if coordinate > *high { coordinate } else { *high };
+            }
+        }
     }
 
-    /// The row's columns, all of one length.
+    /// The row's entries, all columns of one length.
     #[inline(always)]
-    pub fn columns(&self) -> Columns<'_> {
+    pub fn entries(&self) -> Entries<'_> {
         let (length, [x, y, z]) = (self.place.len(), &self.coordinates);
-        let cell = &self.cell[..length];
-        Columns { starts: &self.starts, cell, place: &self.place, x: &x[..length], y: &y[..length], z: &z[..length] }
+        Entries { place: &self.place, x: &x[..length], y: &y[..length], z: &z[..length] }
     }
-}
 
-/// The columns of a row, borrowed for a search.
-#[derive(Debug, Clone, Copy)]
-pub struct Columns<'a> {
-    starts: &'a [u32],
-    cell: &'a [u16],
-    place: &'a [u32],
-    x: &'a [f32],
-    y: &'a [f32],
-    z: &'a [f32],
-}
-
-impl Columns<'_> {
     /// The entries of the row's own particles.
     #[inline(always)]
     pub fn own(&self, grid: &Grid) -> Range<usize> {
         self.starts[grid.reach] as usize..self.starts[grid.reach + grid.cells] as usize
     }
 
-    /// The entries of another row that may be near to one of the own entries from `first` to `last`.
+    /// All entries.
     #[inline(always)]
-    pub fn window(&self, first: usize, last: usize, grid: &Grid, other: &Self) -> Range<usize> {
-        let (lower, upper) = (usize::from(self.cell[first]), usize::from(self.cell[last]));
-        other.starts[lower - grid.reach] as usize..other.starts[upper + grid.reach + 1] as usize
+    pub fn all(&self) -> Range<usize> {
+        0..self.starts[self.starts.len() - 1] as usize
     }
 
-    /// Places and coordinates of the entries of a cluster, moved across the rows.
+    /// The rectangle across the rows in which the row's own particles are.
     #[inline(always)]
-    pub fn cluster(&self, start: usize, shift: [f32; 2]) -> ([u32; CLUSTER], [[f32; 3]; CLUSTER]) {
-        let (mut places, mut points) = ([0; CLUSTER], [[0.0; 3]; CLUSTER]);
-        let end = start + CLUSTER;
-        let columns =
-            self.place[start..end].iter().zip(&self.x[start..end]).zip(&self.y[start..end]).zip(&self.z[start..end]);
-        for (member, (((&place, &x), &y), &z)) in columns.enumerate() {
-            places[member] = place;
-            points[member] = [x, y + shift[0], z + shift[1]];
+    pub fn rectangle(&self) -> &Rectangle {
+        &self.rectangle
+    }
+
+    /// The entries of another row that may be near to one of the own particles from place `first` to `last`.
+    #[inline(always)]
+    pub fn window(&self, first: u32, last: u32, grid: &Grid, other: &Self) -> Range<usize> {
+        let cell = |place: u32| usize::from(self.cell[(place - self.own.start + self.starts[grid.reach]) as usize]);
+        other.starts[cell(first) - grid.reach] as usize..other.starts[cell(last) + grid.reach + 1] as usize
+    }
+}
+
+/// Particles in the order of their row, for a search.
+#[derive(Debug, Clone, Copy)]
+pub struct Entries<'a> {
+    pub place: &'a [u32],
+    pub x: &'a [f32],
+    pub y: &'a [f32],
+    pub z: &'a [f32],
+}
+
+impl Entries<'_> {
+    /// Places and coordinates of the entries of a cluster, moved across the rows; beyond its end stands nobody.
+    #[inline(always)]
+    pub fn cluster(&self, cluster: Range<usize>, shift: [f32; 2]) -> ([u32; CLUSTER], [[f32; 3]; CLUSTER]) {
+        let (mut places, mut points) = ([0; CLUSTER], [[f32::NAN; 3]; CLUSTER]);
+        let entries = cluster.start..cluster.start + CLUSTER;
+        let (place, x) = (&self.place[entries.clone()], &self.x[entries.clone()]);
+        let (y, z) = (&self.y[entries.clone()], &self.z[entries.clone()]);
+        for k in 0..CLUSTER {
+            places[k] = place[k];
+            let inside = cluster.start + k < cluster.end;
+            points[k] = [if inside { x[k] } else { f32::NAN }, y[k] + shift[0], z[k] + shift[1]];
         }
         (places, points)
     }

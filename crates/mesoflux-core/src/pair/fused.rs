@@ -9,7 +9,7 @@ use crate::friction::fluctuation_dissipation::random_force_variance;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_product, scaled};
 use crate::neighbors::{KindOfPair, NeighborList};
-use crate::noise::{Draw, PairNormals};
+use crate::noise::Draw;
 use crate::state::Particles;
 
 /// The noise of one force evaluation.
@@ -65,14 +65,14 @@ impl Kernel for BrickForces<'_> {
         let Self { contacts, interactions, points, region, velocity, noise, target } = self;
         assert!(contacts.places_below() <= velocity.len(), "contacts of other particles");
         target.check(contacts);
-        let (mut pairs, mut normals) = (Separations::default(), PairNormals::default());
+        let (mut pairs, mut normals) = (Separations::default(), BlockNumbers::default());
         let (mut conservative, mut strength) = (BlockNumbers::default(), BlockNumbers::default());
         let mut rows = BlockRows::default();
         for block in contacts.blocks(false) {
             pairs.update::<L>(contacts, &block, points, region);
             contacts.by_kind::<L, _>(&block, &interactions.potentials, &pairs.distance, &mut conservative);
             contacts.by_kind::<L, _>(&block, &interactions.frictions, &pairs.distance, &mut strength);
-            noise.draw.pair_noise::<L>(block.streams, &pairs.ids, &mut normals);
+            noise.draw.pair_normals::<L>(block.streams, &pairs.ids, &mut normals);
             for s in 0..block.streams {
                 let [first, second] = contacts.places(block.stream(s));
                 // SAFETY: all places of the contacts are below the number of velocities.
@@ -81,7 +81,7 @@ impl Kernel for BrickForces<'_> {
                 let u = inner_product(e, [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]]);
                 let strength = L::load(&strength[s]);
                 let variance = random_force_variance(strength, noise.temperature, noise.time_step);
-                let random = normals.of_variance(s, variance);
+                let random = variance.sqrt() * L::load(&normals[s]);
                 let force = (-strength).mul_add(u, L::load(&conservative[s]) + random);
                 L::rows(scaled(force, e), &mut rows[s]);
             }

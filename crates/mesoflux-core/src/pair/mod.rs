@@ -10,7 +10,7 @@ mod stress;
 mod thermostat;
 
 /// The name of the kernels' arithmetic. All sets of vector instructions give the same bits, so that there is one name for all.
-pub const KERNEL: &str = "eight streams, 1";
+pub const KERNEL: &str = "eight streams, 2";
 
 pub use conservative::conservative_forces;
 pub use contacts::Contacts;

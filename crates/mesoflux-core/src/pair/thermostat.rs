@@ -10,7 +10,7 @@ use crate::friction::fluctuation_dissipation::ornstein_uhlenbeck;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, RowLanes, WIDTH, inner_product};
 use crate::neighbors::NeighborList;
-use crate::noise::{Draw, PairNormals};
+use crate::noise::Draw;
 use crate::state::Particles;
 use crate::tensor::SymmetricTensor;
 use std::ops::Add;
@@ -92,7 +92,7 @@ struct BrickSweep<'a> {
 struct Updates {
     pairs: Separations,
     strength: BlockNumbers,
-    normals: PairNormals,
+    normals: BlockNumbers,
     direction: BlockRows,
     decay: BlockNumbers,
     random: BlockNumbers,
@@ -210,22 +210,22 @@ impl BrickSweep<'_> {
         let Updates { pairs, strength, normals, direction, decay, random, shares, flux, arm } = updates;
         pairs.update::<L>(contacts, block, self.points, self.region);
         contacts.by_kind::<L, _>(block, &interactions.frictions, &pairs.distance, strength);
-        sweep.noise.pair_noise::<L>(block.streams, &pairs.ids, normals);
+        sweep.noise.pair_normals::<L>(block.streams, &pairs.ids, normals);
         let equal = interactions.inverse_reduced_masses.entries()[0];
         for s in 0..block.streams {
             let [first, second] = contacts.places(block.stream(s));
-            let strength = L::load(&strength[s]);
+            let (strength, normal) = (L::load(&strength[s]), L::load(&normals[s]));
             let (update, reduced_mass) = if EQUAL {
                 let update = ornstein_uhlenbeck(strength, L::splat(equal), sweep.temperature, sweep.time);
                 let half = L::splat(0.5);
-                (half * normals.of_variance(s, update.variance)).store(&mut random[s]);
+                (half * update.variance.sqrt() * normal).store(&mut random[s]);
                 (half * update.decay).store(&mut decay[s]);
                 (update, L::splat(1.0 / equal))
             } else {
                 let (w_i, w_j) =
                     (L::gather(&particles.inverse_mass, first), L::gather(&particles.inverse_mass, second));
                 let update = ornstein_uhlenbeck(strength, w_i + w_j, sweep.temperature, sweep.time);
-                normals.of_variance(s, update.variance).store(&mut random[s]);
+                (update.variance.sqrt() * normal).store(&mut random[s]);
                 update.decay.store(&mut decay[s]);
                 let reduced_mass = L::splat(1.0) / (w_i + w_j);
                 (w_i * reduced_mass).store(&mut shares[0][s]);
