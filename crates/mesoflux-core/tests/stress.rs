@@ -199,7 +199,7 @@ fn each_layer_has_its_share_of_every_line() {
                 let force = if bonded {
                     2.0 * (1.0 - r)
                 } else {
-                    laws.potentials.get(species[0], species[1]).unwrap().force(r)
+                    laws.potentials.get(species[0], species[1]).as_ref().unwrap().force(r)
                 };
                 let strength =
                     if bonded { 0.0 } else { laws.frictions.get(species[0], species[1]).unwrap().strength(r) };

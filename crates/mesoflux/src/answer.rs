@@ -1,6 +1,7 @@
 //! From finished runs to results: estimates, comparisons between routes, tables.
 
 use crate::figure::Profile;
+use crate::finite_size;
 use crate::job::{Finished, JobError, merged_records};
 use crate::plan::{Measurement, Plan, PointPlan, Task};
 use crate::route::Outcome;
@@ -44,7 +45,8 @@ pub fn answer(
     // Where each point's estimates begin.
     let mut first = Vec::new();
     for (index, point) in plan.points.iter().enumerate() {
-        let found = estimate(plan, finished, index)?;
+        let mut found = estimate(plan, finished, index)?;
+        finite_size::report(&point.input, &mut found);
         if let Some(checked) = point.checks {
             let conditions = &plan.points[checked].conditions;
             let pairs = estimates[first[checked]..].iter().zip(&found);

@@ -1,5 +1,6 @@
 //! What the finite box takes from a diffusion coefficient, where the viscosity is measured beside.
 
+use crate::route::Outcome;
 use mesoflux_io::input::Input;
 use mesoflux_io::results::EstimateRecord;
 use std::f64::consts::PI;
@@ -11,11 +12,14 @@ const CUBIC_LATTICE_SUM: f64 = 2.837_297;
 /// at the same point; only for cubic boxes.
 ///
 /// The estimate itself stays what the box gives.
-pub(crate) fn report(input: &Input, estimates: &mut [EstimateRecord]) {
+pub(crate) fn report(input: &Input, estimates: &mut [(EstimateRecord, Option<Outcome>)]) {
     let viscosity = estimates
         .iter()
+        .map(|(estimate, _)| estimate)
         .filter(|estimate| estimate.quantity == "shear_viscosity")
-        .find_map(|estimate| Some((estimate.method, estimate.value.filter(|value| *value > 0.0)?, estimate.standard_error?)));
+        .find_map(|estimate| {
+            Some((estimate.method, estimate.value.filter(|value| *value > 0.0)?, estimate.standard_error?))
+        });
     let (Some((method, viscosity, error)), Ok(region)) = (viscosity, input.region()) else {
         return;
     };
@@ -25,7 +29,11 @@ pub(crate) fn report(input: &Input, estimates: &mut [EstimateRecord]) {
     }
     let correction = CUBIC_LATTICE_SUM * input.dynamics.temperature / (6.0 * PI * viscosity * side);
     let correction_error = correction * error / viscosity;
-    for estimate in estimates.iter_mut().filter(|estimate| estimate.quantity == "diffusion_coefficient") {
+    for estimate in estimates
+        .iter_mut()
+        .map(|(estimate, _)| estimate)
+        .filter(|estimate| estimate.quantity == "diffusion_coefficient")
+    {
         if let (Some(value), Some(error)) = (estimate.value, estimate.standard_error) {
             let numbers = [
                 ("finite_size_correction", correction),

@@ -6,6 +6,7 @@
 pub mod answer;
 pub mod command;
 pub mod figure;
+mod finite_size;
 pub mod job;
 pub mod plan;
 pub mod prediction;

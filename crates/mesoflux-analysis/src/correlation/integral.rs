@@ -159,7 +159,8 @@ impl MultipleTau {
             return Ok((1, longest));
         }
         let own = Evaluation::new(self, self.equivalent..self.pairs.len());
-        let choice = choose(&own, (1, longest), |end| own.window(end, |lag| taper(lag, end) * Quadrature::Summed.weight(lag)))?;
+        let choice =
+            choose(&own, (1, longest), |end| own.window(end, |lag| taper(lag, end) * Quadrature::Summed.weight(lag)))?;
         Ok((choice.forgotten(), longest))
     }
 

@@ -88,8 +88,8 @@ fn pairs(system: &mut System, layers: Layers, workers: Workers) -> Vec<Stress> {
         for k in 0..contacts.count() {
             let ([i, j], kind) = (contacts.pair(k), contacts.kind(k));
             let (r, e) = contacts.separation(k, &particles.position, list.region());
-            let force = potentials[kind].map_or(0.0, |law| law.force(r));
-            let strength = frictions[kind].map_or(0.0, |law| law.strength(r));
+            let force = potentials[kind].as_ref().map_or(0.0, |law| law.force(r));
+            let strength = frictions[kind].as_ref().map_or(0.0, |law| law.strength(r));
             if force != 0.0 || strength != 0.0 {
                 let u = dot(e, subtract(particles.velocity(i), particles.velocity(j)));
                 let direction = SymmetricTensor::square(e);

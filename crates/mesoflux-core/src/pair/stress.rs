@@ -9,7 +9,6 @@ use crate::friction::fluctuation_dissipation::random_force_variance;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_product};
 use crate::neighbors::NeighborList;
-use crate::noise::PairNormals;
 use crate::tensor::SymmetricTensor;
 use serde::{Deserialize, Serialize};
 use std::ops::Add;
@@ -122,7 +121,7 @@ impl BrickStress<'_> {
     fn sums<L: Lanes, const MOVING: bool, const RANDOM: bool>(&self, velocity: &[Row]) -> PairStress {
         let Self { contacts, interactions, points, region, noise, .. } = self;
         assert!(!MOVING || contacts.places_below() <= velocity.len(), "contacts of other particles");
-        let (mut pairs, mut normals) = (Separations::default(), PairNormals::default());
+        let (mut pairs, mut normals) = (Separations::default(), BlockNumbers::default());
         let (mut force, mut strength) = (BlockNumbers::default(), BlockNumbers::default());
         let mut conservative = TensorLanes::<L>::zero();
         let (mut dissipative, mut random, mut friction) = (conservative, conservative, conservative);
@@ -133,7 +132,7 @@ impl BrickStress<'_> {
                 contacts.by_kind::<L, _>(&block, &interactions.frictions, &pairs.distance, &mut strength);
             }
             if let (true, Some(noise)) = (RANDOM, noise) {
-                noise.draw.pair_noise::<L>(block.streams, &pairs.ids, &mut normals);
+                noise.draw.pair_normals::<L>(block.streams, &pairs.ids, &mut normals);
             }
             for s in 0..block.streams {
                 // What stands behind the last contact of a stream belongs to another.
@@ -154,7 +153,7 @@ impl BrickStress<'_> {
                     friction.add_scaled(arm * r, &TensorLanes::square([xx, yy, zz]));
                     if let (true, Some(noise)) = (RANDOM, noise) {
                         let variance = random_force_variance(strength, noise.temperature, noise.time_step);
-                        random.add_scaled(r * normals.of_variance(s, variance), &direction);
+                        random.add_scaled(r * variance.sqrt() * L::load(&normals[s]), &direction);
                     }
                 }
             }

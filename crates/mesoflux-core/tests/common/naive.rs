@@ -111,7 +111,7 @@ impl Naive {
         let felt = self.apart[i][j] > u32::from(self.topology.range().potential);
         let joins = |bond: &&Bond| [(i, j), (j, i)].contains(&(bond.first as usize, bond.second as usize));
         let bond = if self.apart[i][j] == 1 { self.topology.bonds().iter().find(joins) } else { None };
-        law.filter(|_| felt).map_or(0.0, |law| law.force(r))
+        law.as_ref().filter(|_| felt).map_or(0.0, |law| law.force(r))
             + bond.map_or(0.0, |bond| self.topology.laws()[usize::from(bond.law)].force(r))
     }
 

@@ -343,6 +343,9 @@ pub struct RoutesInput {
     /// From the decay of transverse currents, extrapolated to zero wavenumber.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transverse_current: Option<TransverseCurrentInput>,
+    /// By counting in bins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counting: Option<CountingInput>,
     /// From blocks of growing length.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blocking: Option<Plain>,
@@ -393,6 +396,23 @@ pub struct CorrelationInput {
     /// The longest lag that is looked at; as long as the data allow if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_lag: Option<f64>,
+}
+
+/// `routes.counting`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CountingInput {
+    /// The lowest and the highest value that are counted; what lies outside is reported.
+    pub range: [f64; 2],
+    /// Into so many bins of equal width.
+    #[serde(default = "CountingInput::default_bins")]
+    pub bins: u64,
+}
+
+impl CountingInput {
+    fn default_bins() -> u64 {
+        50
+    }
 }
 
 /// `routes.transverse_current`.

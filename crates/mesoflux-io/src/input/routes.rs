@@ -29,7 +29,8 @@ impl Quantity {
             Self::Temperature => &["kinetic"],
             Self::ConfigurationalTemperature => &["configurational"],
             Self::Pressure => &["virial", "radial_distribution"],
-            Self::PotentialEnergy | Self::ProbabilityDensity => &["direct"],
+            Self::PotentialEnergy => &["direct"],
+            Self::ProbabilityDensity => &["counting"],
             Self::DiffusionCoefficient => &["msd", "vacf"],
             Self::Mobility => &["msd", "nemd", "norton"],
             Self::RadialDistribution => &["histogram"],
@@ -69,14 +70,18 @@ impl Quantity {
                 Self::Temperature => routes.kinetic = Some(Plain {}),
                 Self::ConfigurationalTemperature => routes.configurational = Some(Plain {}),
                 Self::Pressure => routes.virial = Some(Plain {}),
-                Self::PotentialEnergy | Self::ProbabilityDensity => routes.direct = Some(Plain {}),
+                Self::PotentialEnergy => routes.direct = Some(Plain {}),
                 Self::DiffusionCoefficient => routes.msd = Some(MeanSquaredDisplacementInput::default()),
                 Self::RadialDistribution => routes.histogram = Some(DistributionInput::default()),
                 Self::BulkViscosity => routes.green_kubo = Some(CorrelationInput::default()),
                 Self::CorrelationTime | Self::AsymptoticVariance => {
                     routes.correlation = Some(CorrelationInput::default());
                 }
-                Self::Mobility | Self::ShearViscosity | Self::IsothermalCompressibility | Self::SoundSpeed => {}
+                Self::Mobility
+                | Self::ProbabilityDensity
+                | Self::ShearViscosity
+                | Self::IsothermalCompressibility
+                | Self::SoundSpeed => {}
             }
         }
         routes
@@ -97,6 +102,7 @@ impl RoutesInput {
             ("green_kubo_total_stress", self.green_kubo_total_stress.is_some()),
             ("einstein_helfand", self.einstein_helfand.is_some()),
             ("transverse_current", self.transverse_current.is_some()),
+            ("counting", self.counting.is_some()),
             ("blocking", self.blocking.is_some()),
             ("correlation", self.correlation.is_some()),
             ("nemd", self.nemd.is_some()),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// How far g(r) is followed where the input doesn't say it, in largest cutoffs, if half the box allows.
 const CUTOFFS: f64 = 3.0;
 /// The most bins of distance.
-const MOST_BINS: u64 = 10_000;
+pub(super) const MOST_BINS: u64 = 10_000;
 /// The most wave vectors.
 const MOST_WAVE_VECTORS: f64 = 1000.0;
 /// The fewest shells of wave vectors from which 1/S(k) can be extrapolated by a parabola with an error that tells something.

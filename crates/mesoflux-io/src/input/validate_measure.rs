@@ -1,8 +1,9 @@
 //! What a measurement must fulfil: routes that lead to its quantity, laws that allow it, a driving that can act.
 
+use super::structure::MOST_BINS;
 use super::validate::{Invalid, number, written};
 use super::wording::one_of;
-use super::{Input, MeasureInput, Quantity, RoutesInput};
+use super::{CountingInput, Input, MeasureInput, Quantity, RoutesInput};
 use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
 use mesoflux_core::potential::Requirement;
 
@@ -62,6 +63,17 @@ impl Input {
             if !(1..=steps).contains(&interval) {
                 let requirement = format!("must be at least 1 and at most the steps of production, {steps}");
                 return Err(Invalid::new(format!("{path}.routes.{route}.sample_interval"), interval, requirement));
+            }
+        }
+        if let Some(CountingInput { range: [low, high], bins }) = routes.counting {
+            let place = format!("{path}.routes.counting");
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                let requirement = "must be two finite numbers, the lower one first";
+                let value = format!("[{}, {}]", written(low), written(high));
+                return Err(Invalid::new(format!("{place}.range"), value, requirement));
+            }
+            if !(1..=MOST_BINS).contains(&bins) {
+                return Err(Invalid::new(format!("{place}.bins"), bins, format!("must be from 1 to {MOST_BINS}")));
             }
         }
         if let Some(0) = routes.transverse_current.map(|route| route.wavenumbers) {

@@ -11,6 +11,7 @@ mod memory;
 mod nemd;
 mod norton;
 mod observable;
+mod probability_density;
 mod profile;
 mod radial_distribution;
 mod record;
@@ -240,6 +241,9 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
     }
     if let Some(parameters) = asked.transverse_current {
         routes.push(Box::new(transverse_current::TransverseCurrent { parameters }));
+    }
+    if let (Some(parameters), Some(observable)) = (asked.counting, measure.observable) {
+        routes.push(Box::new(probability_density::ProbabilityDensity { observable, parameters }));
     }
     let memories = [(asked.blocking.is_some(), None), (asked.correlation.is_some(), asked.correlation)];
     for (_, correlation) in memories.into_iter().filter(|(asked, _)| *asked) {

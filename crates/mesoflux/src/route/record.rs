@@ -2,7 +2,7 @@
 
 use super::correlation::Correlations;
 use super::{RouteError, RouteRecorder};
-use mesoflux_analysis::{AnalysisError, Blocking, MeanSquaredDisplacement};
+use mesoflux_analysis::{AnalysisError, Blocking, Histogram, MeanSquaredDisplacement};
 use mesoflux_core::driving::DrivenStep;
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::stream;
@@ -17,6 +17,8 @@ pub enum Record {
     Displacement(MeanSquaredDisplacement),
     /// Series of their own, one for each number of a profile.
     Profile(Vec<Blocking>),
+    /// Counts of an observable's values.
+    Histogram(Histogram),
     /// Correlations in time.
     Correlations(Box<Correlations>),
 }
@@ -33,6 +35,7 @@ impl Record {
             (Self::Profile(mine), Self::Profile(theirs)) if mine.len() == theirs.len() => {
                 Ok(mine.iter_mut().zip(theirs).try_for_each(|(mine, theirs)| mine.merge(theirs))?)
             }
+            (Self::Histogram(mine), Self::Histogram(theirs)) => Ok(mine.merge(theirs)?),
             (Self::Correlations(mine), Self::Correlations(theirs)) => mine.merge(theirs),
             _ => Err(RouteError::WrongRecord),
         }
