@@ -93,6 +93,7 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
         ("from_lammps_data.toml", Derived { masses: &[2.5, 1.0], ..soft(66, &[6, 60], [4.0; 3]) }),
         ("from_extended_xyz.toml", soft(100, &[100], [3.2; 3])),
         ("molecules_in_file.toml", soft(100, &[100], [3.2; 3])),
+        ("correlations.toml", soft(192, &[192], [4.0; 3])),
         ("structure.toml", soft(192, &[192], [4.0; 3])),
         ("expressions.toml", Derived { masses: &[1.0, 1.0], ..soft(500, &[100, 400], [4.0, 5.0, 8.5]) }),
         ("sweep.toml", Derived { sides: cube(500.0 / 3.0), density: 3.0, cutoff: 1.0, skin: 0.3, ..one }),
