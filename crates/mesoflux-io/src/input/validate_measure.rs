@@ -34,9 +34,8 @@ impl Input {
                 );
                 return Err(Invalid::new(format!("{path}.quantity"), "", requirement));
             }
-            Quantity::Pressure | Quantity::ShearViscosity | Quantity::BulkViscosity => {
-                check_pressure(&laws).map_err(refused)?;
-            }
+            // Viscosities are of the fluid that is simulated, where nothing is felt of a jump of the energy.
+            Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
             Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,
             _ => {}
         }
