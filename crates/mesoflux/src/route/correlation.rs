@@ -170,7 +170,8 @@ pub(super) fn interval(input: &Input, given: Option<u64>) -> u64 {
     };
     let fastest = frictions.clone().map(rate).fold(0.0, f64::max);
     let cutoffs = frictions.map(mesoflux_core::friction::Friction::cutoff);
-    let cutoffs = cutoffs.chain(interactions.potentials.entries().iter().flatten().map(|law| law.cutoff()));
+    let cutoffs = cutoffs
+        .chain(interactions.potentials.entries().iter().flatten().map(mesoflux_core::potential::Potential::cutoff));
     let flight = 0.1 * cutoffs.fold(f64::INFINITY, f64::min) * (mass / input.dynamics.temperature).sqrt();
     let time = flight.min(1.0 / fastest) / SAMPLES;
     ((time / input.dynamics.time_step) as u64).max(1)
