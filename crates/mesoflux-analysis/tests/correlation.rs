@@ -119,8 +119,8 @@ fn integral_and_helfand_windows_are_sums_over_all_lags() {
 /// exp(−t) sampled every half unit: ∫ = 1, the trapezoid rule is 2 % above it, Gregory's rule 0.1 %.
 #[test]
 fn a_smooth_correlation_is_integrated_between_its_samples() {
-    let (spacing, mut random) = (0.5, Random::new(5));
-    let mut process = Autoregressive::new((-spacing as f64).exp(), &mut random);
+    let (spacing, mut random) = (0.5_f64, Random::new(5));
+    let mut process = Autoregressive::new((-spacing).exp(), &mut random);
     let mut correlator = MultipleTau::autocorrelation(spacing).unwrap();
     (0..400_000).for_each(|_| correlator.record(&[process.next(&mut random)]).unwrap());
     let integral = |quadrature| correlator.integral(&IntegralOptions { quadrature, longest_time: None }).estimate;
