@@ -172,7 +172,7 @@ impl EstimateRecord {
 /// A table of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The name of each column with its units, "time [t]".
+    /// The name of each column with its units, `time [t]`.
     pub header: Vec<String>,
     /// As many numbers in each row.
     pub rows: Vec<Vec<f64>>,

@@ -419,7 +419,7 @@ impl CountingInput {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TransverseCurrentInput {
-    /// How many wavenumbers 2πn/L, n = 1, 2, …, along each axis.
+    /// How many wavenumbers 2πn/L, n = 1, 2, …, of all axes, the smallest ones.
     #[serde(default = "TransverseCurrentInput::default_wavenumbers")]
     pub wavenumbers: u32,
     /// Steps between two samples; follows from the time in which the correlation decays if left out.

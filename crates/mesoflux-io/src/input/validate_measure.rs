@@ -34,6 +34,11 @@ impl Input {
                 );
                 return Err(Invalid::new(format!("{path}.quantity"), "", requirement));
             }
+            Quantity::BulkViscosity if !self.is_thermostatted() && self.run.replicas > 1 => {
+                let requirement = "needs run.replicas = 1 at constant energy: each replica has an energy of its own, and with it \
+                                   a mean pressure from which its fluctuations count";
+                return Err(Invalid::new(format!("{path}.quantity"), "", requirement));
+            }
             // Viscosities are of the fluid that is simulated, where nothing is felt of a jump of the energy.
             Quantity::Pressure => check_pressure(&laws).map_err(refused)?,
             Quantity::ConfigurationalTemperature => check_configurational_temperature(&laws).map_err(refused)?,

@@ -9,6 +9,8 @@ use mesoflux_io::input::{Input, TransverseCurrentInput};
 use mesoflux_io::results::Table;
 use std::f64::consts::TAU;
 
+/// How much more slowly than stresses currents are sampled.
+const SLOWER: u64 = 4;
 /// Wavenumbers that differ by less, relatively, are the same.
 const SAME: f64 = 1e-12;
 
@@ -40,6 +42,7 @@ impl TransverseCurrent {
             }
         }
         waves.sort_by(|a, b| a.wavenumber.total_cmp(&b.wavenumber));
+        waves.truncate(self.parameters.wavenumbers as usize);
         waves
     }
 }
@@ -65,7 +68,9 @@ impl Route for TransverseCurrent {
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
-        let interval = interval(input, self.parameters.sample_interval);
+        // Waves as long as the box decay more slowly than collisions.
+        let default = interval(input, None) * SLOWER;
+        let interval = self.parameters.sample_interval.unwrap_or(default);
         let spacing = interval as f64 * input.dynamics.time_step;
         let waves = self.waves(input);
         let correlator = |wave: &Wave| {

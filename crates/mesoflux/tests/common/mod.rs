@@ -78,6 +78,38 @@ routes.derivative = { density_step = 0.05 }
 routes.fluctuation = {}
 "#;
 
+/// Every route by a correlation in time, and what else is said of fluctuations.
+pub const CORRELATIONS: &str = r#"
+[measure.eta]
+quantity = "shear_viscosity"
+routes.green_kubo = { sample_interval = 3 }
+routes.green_kubo_total_stress = { sample_interval = 3 }
+routes.einstein_helfand = {}
+routes.transverse_current = { wavenumbers = 1 }
+
+[measure.zeta]
+quantity = "bulk_viscosity"
+
+[measure.D_by_velocities]
+quantity = "diffusion_coefficient"
+routes.vacf = {}
+
+[measure.tau]
+quantity = "correlation_time"
+observable = "pressure"
+routes.blocking = {}
+routes.correlation = {}
+
+[measure.spread]
+quantity = "asymptotic_variance"
+observable = "shear_stress"
+
+[measure.p_of_T]
+quantity = "probability_density"
+observable = "temperature"
+routes.counting = { range = [0.5, 1.5], bins = 20 }
+"#;
+
 /// A folder in which the program runs.
 pub struct Folder(TempDir);
 
