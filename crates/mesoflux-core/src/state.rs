@@ -27,6 +27,9 @@ pub struct Particles {
     pub columns: Vec<Vec<Vector>>,
 }
 
+/// Columns of more particles are not kept as spare ones.
+const MOST_KEPT: usize = 100_000;
+
 /// Columns to write to when particles are put into another order.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SpareColumns {
@@ -106,6 +109,10 @@ impl Particles {
                 }
             });
             std::mem::swap(column, spare);
+            // Room for so many particles costs more than finding it again.
+            if order.len() > MOST_KEPT {
+                *spare = Vec::new();
+            }
         }
         permute(&mut self.id, order, &mut spare.words, workers);
         permute(&mut self.species, order, &mut spare.bytes, workers);

@@ -136,7 +136,7 @@ const LN_GAMMA_120: f64 = 453.024_896_238;
 fn short_runs_cannot_tell_and_say_how_much_longer() {
     let short = FLUID.replace("production_time = 4.0", "production_time = 1.0");
     let results = Folder::with(&format!("{short}{CORRELATIONS}")).run_for_results("");
-    for (measurement, method) in [("eta", "green_kubo"), ("eta", "transverse_current"), ("zeta", "green_kubo")] {
+    for (measurement, method) in [("eta", "green_kubo"), ("eta", "green_kubo_total_stress"), ("zeta", "green_kubo")] {
         let estimate = estimate(&results, measurement, method);
         assert!(estimate["value"].is_null() && estimate["standard_error"].is_null(), "{estimate}");
         let warning = estimate["warnings"][0].as_str().unwrap();
