@@ -131,6 +131,33 @@ fn a_smooth_correlation_is_integrated_between_its_samples() {
     assert!((difference - 0.0196).abs() < 0.002, "{difference}");
 }
 
+/// A slow process under white noise of a hundred times its variance: what is left of it beyond the noise is seen late, if at all.
+#[test]
+fn a_decay_that_noise_hides_is_waited_for_where_a_channel_shows_it() {
+    let (memory, noise) = ((-0.05_f64).exp(), 10.0);
+    let integral = 0.5 * (1.0 + noise * noise) + memory / (1.0 - memory);
+    let covered = |guarded: bool| {
+        let covers = |seed: u64| {
+            let mut random = Random::new(seed);
+            let mut process = Autoregressive::new(memory, &mut random);
+            let mut correlator = MultipleTau::new(2, &[[0, 0]], 1.0).unwrap();
+            if guarded {
+                correlator = correlator.remembered_by([1]).unwrap();
+            }
+            for _ in 0..40_000 {
+                let slow = process.next(&mut random);
+                correlator.record(&[slow + noise * random.normal(), slow]).unwrap();
+            }
+            let estimate = correlator.integral(&IntegralOptions::default()).estimate;
+            estimate.interval(0.95).is_some_and(|(low, high)| (low..high).contains(&integral))
+        };
+        (0..100).filter(|&seed| covers(1000 + seed)).count()
+    };
+    let (without, with) = (covered(false), covered(true));
+    println!("{without} of 100 without, {with} with the channel");
+    assert!(without < 85 && (88..=100).contains(&with), "{without}, {with}");
+}
+
 #[test]
 fn pooled_pairs_have_the_same_correlations() {
     let (channels, mut random) = (6, Random::new(6));

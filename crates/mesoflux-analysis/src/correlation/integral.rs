@@ -62,7 +62,8 @@ impl MultipleTau {
     /// **Error.** The scatter of stretches of at least 4 T, and the variance from cutoff to cutoff. `effective_samples` is the number of these
     /// stretches, equivalent pairs counted.
     ///
-    /// **Cross-correlations** are cut off no earlier than the autocorrelations of their channels let it seem that these have forgotten.
+    /// **Cross-correlations** are cut off no earlier than the autocorrelations of their channels let it seem that these have forgotten; other
+    /// correlations no earlier than the channels of [`remembered_by`](Self::remembered_by).
     ///
     /// **Cannot tell** if cutoffs for which fewer than 16 stretches remain have more than half of the weight: about 700 decay times
     /// of a single exponential and a single pair.

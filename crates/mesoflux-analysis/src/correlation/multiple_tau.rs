@@ -29,7 +29,7 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MultipleTau {
     channels: usize,
-    /// The pairs asked for, and after them each channel of unequal pairs with itself: its memory is the least a cutoff must reach.
+    /// The pairs asked for, and after them channels with themselves whose memory is the least that a cutoff must reach.
     pub(super) pairs: Vec<[usize; 2]>,
     /// How many of them were asked for.
     pub(super) equivalent: usize,
@@ -85,6 +85,28 @@ impl MultipleTau {
     /// If the spacing isn't positive and finite.
     pub fn autocorrelation(spacing: f64) -> Result<Self, AnalysisError> {
         Self::new(1, &[[0, 0]], spacing)
+    }
+
+    /// Has integrals cut off no earlier than the autocorrelation of these channels has decayed, as far as the data show it.
+    ///
+    /// For pairs that drown in noise: the total stress of a fluid with strong friction, say, whose decay its noise hides, and would let a sum
+    /// over the noise alone seem to be the whole. A channel that has the same slow part without the noise shows how long it lasts.
+    ///
+    /// # Errors
+    /// If there is no such channel, something was recorded already, or all channels are pooled.
+    pub fn remembered_by(mut self, channels: impl IntoIterator<Item = usize>) -> Result<Self, AnalysisError> {
+        if self.pooled || !self.origin.is_empty() {
+            let reason = "whose memory counts must be decided before the first record, and not for pooled channels";
+            return Err(AnalysisError::Underdetermined(reason));
+        }
+        for channel in channels {
+            if channel >= self.channels {
+                let value = channel as f64;
+                return Err(AnalysisError::OutOfRange { name: "channel", value, requirement: "below channels" });
+            }
+            self.pairs.push([channel; 2]);
+        }
+        Ok(self)
     }
 
     /// The mean autocorrelation of many channels, all in one sum, such as the velocities of all particles.

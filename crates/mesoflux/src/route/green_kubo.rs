@@ -122,36 +122,41 @@ pub(super) struct TotalStress {
 /// Adds up the flux of the steps between two samples.
 struct Booked {
     viscosity: Viscosity,
-    sum: SymmetricTensor,
+    total: SymmetricTensor,
+    /// Its kinetic and conservative parts.
+    quiet: SymmetricTensor,
     steps: u64,
 }
 
 impl Sampler for Booked {
     fn gather(&mut self, moment: &Moment) {
         if let Some(stress) = moment.stress() {
-            self.sum += stress.total();
+            self.total += stress.total();
+            self.quiet += stress.kinetic + stress.conservative;
             self.steps += 1;
         }
     }
 
     fn sample(&mut self, moment: &mut Moment) -> Sample {
-        let mean = (1.0 / self.steps as f64) * self.sum;
-        (self.sum, self.steps) = (SymmetricTensor::default(), 0);
-        let temperature = moment.simulation.system.kinetic_temperature();
-        Sample { channels: vec![self.viscosity.components(mean)], averages: vec![temperature] }
+        let scale = 1.0 / self.steps as f64;
+        let mut channels = self.viscosity.components(scale * self.total);
+        channels.extend(self.viscosity.components(scale * self.quiet));
+        (self.total, self.quiet, self.steps) = (SymmetricTensor::default(), SymmetricTensor::default(), 0);
+        Sample { channels: vec![channels], averages: vec![moment.simulation.system.kinetic_temperature()] }
     }
 
     fn gathered(&self) -> Vec<f64> {
-        let mut gathered = self.sum.0.to_vec();
-        gathered.push(self.steps as f64);
-        gathered
+        [self.total.0.as_slice(), &self.quiet.0, &[self.steps as f64]].concat()
     }
 
     fn resume(&mut self, gathered: &[f64]) -> bool {
-        let Ok([xx, yy, zz, xy, xz, yz, steps]) = <[f64; 7]>::try_from(gathered) else {
+        let Some((&total, rest)) = gathered.split_first_chunk() else {
             return false;
         };
-        (self.sum, self.steps) = (SymmetricTensor([xx, yy, zz, xy, xz, yz]), steps as u64);
+        let Some((&quiet, &[steps])) = rest.split_first_chunk() else {
+            return false;
+        };
+        (self.total, self.quiet, self.steps) = (SymmetricTensor(total), SymmetricTensor(quiet), steps as u64);
         true
     }
 }
@@ -168,8 +173,15 @@ impl Route for TotalStress {
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
         let interval = interval(input, self.parameters.sample_interval);
         let spacing = interval as f64 * input.dynamics.time_step;
-        let correlator = self.viscosity.correlator(1, [0, 0], spacing)?;
-        let sampler = Booked { viscosity: self.viscosity, sum: SymmetricTensor::default(), steps: 0 };
+        // The second series is the flux without friction and noise: it shows how long is to be waited.
+        let count = self.viscosity.count();
+        let correlator = self.viscosity.correlator(2, [0, 0], spacing)?.remembered_by(count..2 * count)?;
+        let sampler = Booked {
+            viscosity: self.viscosity,
+            total: SymmetricTensor::default(),
+            quiet: SymmetricTensor::default(),
+            steps: 0,
+        };
         CorrelationRecorder::boxed(interval, sampler, vec![correlator], 1)
     }
 
