@@ -28,7 +28,7 @@ pub struct Particles {
 }
 
 /// Columns of more particles are not kept as spare ones.
-const MOST_KEPT: usize = 100_000;
+const MOST_KEPT: usize = 4000;
 
 /// Columns to write to when particles are put into another order.
 #[derive(Debug, Clone, Default)]
