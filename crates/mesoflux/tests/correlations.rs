@@ -58,10 +58,11 @@ routes.msd = {}
 routes.vacf = {}
 ";
     let results = Folder::with(&format!("{}{measures}", damped(200.0))).run_for_results("");
-    for method in ["green_kubo", "green_kubo_total_stress", "einstein_helfand"] {
+    // The noise of the total stress costs precision.
+    for (method, precision) in [("green_kubo", 0.05), ("green_kubo_total_stress", 0.1), ("einstein_helfand", 0.1)] {
         let found = value(&results, "eta", method);
         println!("eta by {method}: {found:?}");
-        assert!(apart(found, SHEAR_VISCOSITY) < 3.0 && found.1 < 0.05 * found.0, "{method}: {found:?}");
+        assert!(apart(found, SHEAR_VISCOSITY) < 3.0 && found.1 < precision * found.0, "{method}: {found:?}");
     }
     let (bulk, instantaneous) = (value(&results, "zeta", "green_kubo"), estimate(&results, "eta", "green_kubo"));
     println!("zeta {bulk:?}");
