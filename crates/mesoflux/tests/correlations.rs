@@ -4,21 +4,7 @@
 
 mod common;
 
-use common::{CORRELATIONS, FLUID, Folder, error, list};
-use serde_json::Value;
-
-/// The estimate of a measurement by a method.
-fn estimate<'a>(results: &'a Value, measurement: &str, method: &str) -> &'a Value {
-    let found = |estimate: &&Value| estimate["measurement"] == measurement && estimate["method"] == method;
-    list(&results["estimates"]).iter().find(found).unwrap_or_else(|| panic!("no {measurement} by {method}"))
-}
-
-/// Its value and standard error.
-fn value(results: &Value, measurement: &str, method: &str) -> (f64, f64) {
-    let estimate = estimate(results, measurement, method);
-    let number = |field: &str| estimate[field].as_f64().unwrap_or_else(|| panic!("{field} of {estimate}"));
-    (number("value"), number("standard_error"))
-}
+use common::{CORRELATIONS, FLUID, Folder, error, estimate, table, value};
 
 /// |z| of two estimates as if they were independent.
 fn apart((a, error_a): (f64, f64), (b, error_b): (f64, f64)) -> f64 {
@@ -116,9 +102,7 @@ routes.counting = { range = [0.4, 1.9], bins = 15 }
     let results = folder.run_for_results("");
     let found = estimate(&results, "p_of_T", "counting");
     assert!((found["conditions"]["at"].as_f64().unwrap() - 1.0).abs() < 0.11, "{found}");
-    let text = folder.read("out/p_of_T-counting.csv");
-    let rows: Vec<Vec<f64>> =
-        text.lines().skip(1).map(|row| row.split(',').map(|number| number.parse().unwrap()).collect()).collect();
+    let (_, rows) = table(&folder, "p_of_T-counting.csv");
     // A gamma distribution of 3(N − 1)/2 = 120 with the mean 1, by the midpoint rule.
     let density = |t: f64| ((119.0 * t.ln()) - 120.0 * t + 120.0 * 120.0_f64.ln() - LN_GAMMA_120).exp();
     for row in rows.iter().filter(|row| row[4] > 200.0) {

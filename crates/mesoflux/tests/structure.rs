@@ -4,28 +4,8 @@
 
 mod common;
 
-use common::{FLUID, Folder, STRUCTURE, error, list};
+use common::{FLUID, Folder, STRUCTURE, error, estimate, list, table, value};
 use serde_json::Value;
-
-/// The estimate of a measurement by a method.
-fn estimate<'a>(results: &'a Value, measurement: &str, method: &str) -> &'a Value {
-    let found = |estimate: &&Value| estimate["measurement"] == measurement && estimate["method"] == method;
-    list(&results["estimates"]).iter().find(found).unwrap_or_else(|| panic!("no {measurement} by {method}"))
-}
-
-fn value(results: &Value, measurement: &str, method: &str) -> (f64, f64) {
-    let estimate = estimate(results, measurement, method);
-    let number = |field: &str| estimate[field].as_f64().unwrap_or_else(|| panic!("{field} of {estimate}"));
-    (number("value"), number("standard_error"))
-}
-
-/// The header and the rows of a table.
-fn table(folder: &Folder, name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
-    let text = folder.read(&format!("out/{name}"));
-    let mut lines = text.lines();
-    let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
-    (header, lines.map(|row| row.split(',').map(|number| number.parse().unwrap()).collect()).collect())
-}
 
 /// Groot and Warren's fluid, long enough for numbers to be compared.
 fn fluid(time: f64) -> String {

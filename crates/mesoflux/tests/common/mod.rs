@@ -110,6 +110,27 @@ observable = "temperature"
 routes.counting = { range = [0.5, 1.5], bins = 20 }
 "#;
 
+/// The estimate of a measurement by a method.
+pub fn estimate<'a>(results: &'a Value, measurement: &str, method: &str) -> &'a Value {
+    let found = |estimate: &&Value| estimate["measurement"] == measurement && estimate["method"] == method;
+    list(&results["estimates"]).iter().find(found).unwrap_or_else(|| panic!("no {measurement} by {method}"))
+}
+
+/// Its value and standard error.
+pub fn value(results: &Value, measurement: &str, method: &str) -> (f64, f64) {
+    let estimate = estimate(results, measurement, method);
+    let number = |field: &str| estimate[field].as_f64().unwrap_or_else(|| panic!("{field} of {estimate}"));
+    (number("value"), number("standard_error"))
+}
+
+/// The header and the rows of a table.
+pub fn table(folder: &Folder, name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    let text = folder.read(&format!("out/{name}"));
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
+    (header, lines.map(|row| row.split(',').map(|number| number.parse().unwrap()).collect()).collect())
+}
+
 /// A folder in which the program runs.
 pub struct Folder(TempDir);
 
