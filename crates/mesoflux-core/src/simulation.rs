@@ -36,6 +36,8 @@ pub struct SimulationSnapshot<'a> {
     pub velocity_verlet: Option<Column>,
     /// The stress of these forces, where it is booked.
     pub velocity_verlet_stress: Option<PairStress>,
+    /// What the driving remembers.
+    pub driving: Vec<f64>,
 }
 
 /// A simulation under way.
@@ -96,7 +98,8 @@ impl Simulation {
             Integrator::VelocityVerlet(scheme) => (scheme.force_column(), scheme.force_stress()),
             Integrator::Splitting(_) => (None, None),
         };
-        SimulationSnapshot { system: self.system.snapshot(), velocity_verlet, velocity_verlet_stress }
+        let driving = self.driving.as_ref().map_or_else(Vec::new, |driving| driving.memory());
+        SimulationSnapshot { system: self.system.snapshot(), velocity_verlet, velocity_verlet_stress, driving }
     }
 
     /// Goes on from a state that `snapshot` gave, to the same bits.
@@ -106,6 +109,13 @@ impl Simulation {
     pub fn restore(&mut self, snapshot: SimulationSnapshot) -> Result<(), SnapshotError> {
         self.system.restore(snapshot.system)?;
         self.booked = None;
+        let remembered = match &mut self.driving {
+            Some(driving) => driving.remember(&snapshot.driving),
+            None => snapshot.driving.is_empty(),
+        };
+        if !remembered {
+            return Err(SnapshotError::Inconsistent);
+        }
         match (&mut self.integrator, snapshot.velocity_verlet) {
             (Integrator::VelocityVerlet(scheme), column)
                 if column.is_none_or(|column| self.system.particles.has_column(column)) =>
@@ -132,6 +142,9 @@ impl Simulation {
                 let backward = schedule.backward(self.system.step);
                 for (place, (letter, share)) in schedule.entries().iter().enumerate() {
                     let time = share * self.time_step;
+                    if let Some(driving) = &mut self.driving {
+                        driving.before_letter(&mut self.system, letter.symbol(), time);
+                    }
                     let constraint = self.driving.as_mut().and_then(|driving| driving.constraint(&self.system));
                     let response = constraint.map(|constraint| constraint.response);
                     let stroke =

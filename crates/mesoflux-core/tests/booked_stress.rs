@@ -7,8 +7,8 @@ use common::{Fluid, by_id, friction, interactions, splitting, unwrapped, velocit
 use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, Driving};
-use mesoflux_core::forcing::ColorDrift;
+use mesoflux_core::driving::{ConstantFlux, Driving, Projection};
+use mesoflux_core::forcing::{ColorDrift, ForcingField};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::Integrator;
 use mesoflux_core::noise::{NoiseKey, Purpose};
@@ -118,7 +118,11 @@ fn booking_leaves_no_trace_in_the_trajectory() {
         for (word, norton) in [("ABOBA", false), ("ABOBA", true), ("OBABO", false), ("velocity Verlet", false)] {
             for skin in [0.3, 0.03] {
                 let start = || {
-                    let flux: Box<dyn Driving> = Box::new(ConstantFlux::new(Box::new(ColorDrift), 0.5));
+                    let flux: Box<dyn Driving> = Box::new(ConstantFlux::new(
+                        ForcingField::new(Box::new(ColorDrift)),
+                        0.5,
+                        Projection::Symmetric,
+                    ));
                     let system = Fluid { skin, ..fluid.clone() }.system(1.0, noise);
                     Simulation::new(system, integrator(word), norton.then_some(flux), noise, DT).unwrap()
                 };

@@ -6,8 +6,8 @@ mod common;
 use common::{Fluid, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
-use mesoflux_core::forcing::ColorDrift;
+use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
+use mesoflux_core::forcing::{ColorDrift, ForcingField};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{Drift, Integrator, Kick, Letter, PairOrnsteinUhlenbeck, Stroke};
 use mesoflux_core::noise::NoiseKey;
@@ -58,12 +58,18 @@ fn constant_energy_dynamics_conserve_momentum() {
 
 #[test]
 fn color_drift_at_constant_force_conserves_momentum() {
-    conserves_momentum(splitting("ABOBA"), Some(Box::new(ConstantForce::new(Box::new(ColorDrift), 2.0))));
+    conserves_momentum(
+        splitting("ABOBA"),
+        Some(Box::new(ConstantForce::new(ForcingField::new(Box::new(ColorDrift)), 2.0))),
+    );
 }
 
 #[test]
 fn color_drift_at_constant_flux_conserves_momentum() {
-    conserves_momentum(splitting("ABOBA"), Some(Box::new(ConstantFlux::new(Box::new(ColorDrift), 2.0))));
+    conserves_momentum(
+        splitting("ABOBA"),
+        Some(Box::new(ConstantFlux::new(ForcingField::new(Box::new(ColorDrift)), 2.0, Projection::Symmetric))),
+    );
 }
 
 /// A cold cluster of 27 Lennard-Jones particles of two masses in the middle of a wide box, spinning.

@@ -4,11 +4,11 @@
 mod common;
 
 use common::naive::{Flux, Matrix, Naive};
-use common::{Fluid, by_id, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
+use common::{Fluid, by_id, forcing, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
 use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
+use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
 use mesoflux_core::forcing::{ForcingField, ForcingKind};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{Change, FluxChange, Integrator, Schedule, Stroke};
@@ -27,6 +27,14 @@ use mesoflux_core::vector::{Vector, dot, subtract};
 use proptest::prelude::*;
 
 const WORDS: [&str; 4] = ["ABOBA", "OBABO", "BAOAB", "OABAO"];
+
+const FORCINGS: [ForcingKind; 5] = [
+    ForcingKind::ColorDrift,
+    ForcingKind::TwoParticleDrift,
+    ForcingKind::Sinusoidal,
+    ForcingKind::PiecewiseLinear,
+    ForcingKind::PiecewiseConstant,
+];
 
 /// Random points no two of which are nearer than `apart`; an even number of them.
 fn scattered(count: usize, apart: f64, region: &PeriodicBox, noise: NoiseKey) -> Vec<Vector> {
@@ -177,14 +185,20 @@ enum Drive {
     Norton(ForcingKind),
 }
 
+fn field(kind: ForcingKind, system: &System) -> ForcingField {
+    forcing(kind).field(system.particles.count(), system.region.sides()).unwrap()
+}
+
 impl Drive {
     const MAGNITUDE: f64 = 0.9;
 
-    fn driving(self, count: usize) -> Option<Box<dyn Driving>> {
+    fn driving(self, system: &System) -> Option<Box<dyn Driving>> {
         match self {
             Self::None => None,
-            Self::Nemd(kind) => Some(Box::new(ConstantForce::new(kind.forcing(count).unwrap(), Self::MAGNITUDE))),
-            Self::Norton(kind) => Some(Box::new(ConstantFlux::new(kind.forcing(count).unwrap(), Self::MAGNITUDE))),
+            Self::Nemd(kind) => Some(Box::new(ConstantForce::new(field(kind, system), Self::MAGNITUDE))),
+            Self::Norton(kind) => {
+                Some(Box::new(ConstantFlux::new(field(kind, system), Self::MAGNITUDE, Projection::Paper)))
+            }
         }
     }
 }
@@ -195,17 +209,18 @@ fn compare_steps(system: System, word: &str, drive: Drive, noise: NoiseKey) -> R
     let Integrator::Splitting(schedule) = splitting(word) else { unreachable!() };
     let mut field = match drive {
         Drive::None => None,
-        Drive::Nemd(kind) | Drive::Norton(kind) => Some(ForcingField::new(kind.forcing(count).unwrap())),
+        Drive::Nemd(kind) | Drive::Norton(kind) => Some(field(kind, &system)),
     };
     let mut naive = Naive::of(&system);
     if let (Drive::Norton(_), Some(field)) = (drive, &mut field) {
         naive.project(field, Drive::MAGNITUDE);
     }
-    let mut simulation = Simulation::new(system, splitting(word), drive.driving(count), noise, dt).unwrap();
+    let driving = drive.driving(&system);
+    let mut simulation = Simulation::new(system, splitting(word), driving, noise, dt).unwrap();
     simulation.book_stress(true);
     for _ in 0..3 {
         naive.flux = Flux::default();
-        let orders = orders(&simulation.system, drive.driving(count), word, dt, noise);
+        let orders = orders(&simulation.system, drive.driving(&simulation.system), word, dt, noise);
         let driven = simulation.step().unwrap();
         let multiplier = naive_step(&mut naive, &schedule, drive, field.as_mut(), &orders, dt, noise)?;
         let sum: f64 = naive.p.iter().map(|&p| dot(p, p).sqrt()).sum();
@@ -313,9 +328,9 @@ proptest! {
     }
 
     #[test]
-    fn driven_words(species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, color: bool, norton: bool, seed: u64) {
+    fn driven_words(species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, kind in 0usize..5, norton: bool, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
-        let kind = if color { ForcingKind::ColorDrift } else { ForcingKind::TwoParticleDrift };
+        let kind = FORCINGS[kind];
         let drive = if norton { Drive::Norton(kind) } else { Drive::Nemd(kind) };
         let system = bonded(random_system(seed as usize % 3, species, shape, noise), exclusions(bonds));
         compare_steps(system, WORDS[word], drive, noise)?;

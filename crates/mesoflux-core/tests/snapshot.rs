@@ -3,7 +3,10 @@
 
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, Driving};
+mod common;
+
+use common::forcing;
+use mesoflux_core::driving::{ConstantFlux, Driving, Projection};
 use mesoflux_core::forcing::ForcingKind;
 use mesoflux_core::friction::{Friction, linear::Linear};
 use mesoflux_core::integrate::{Integrator, Schedule, SweepOrder, Thermostat, VelocityVerlet};
@@ -26,11 +29,9 @@ fn simulation(integrator: Integrator, driven: bool) -> Simulation {
     let mut particles = Particles::at_rest(sites, vec![0; 360], &[1.0]);
     draw_momenta(&mut particles, 1.0, noise);
     let system = System::new(particles, region, interactions, 0.3, Workers::One).unwrap();
-    let driving: Option<Box<dyn Driving>> = if driven {
-        Some(Box::new(ConstantFlux::new(ForcingKind::ColorDrift.forcing(360).unwrap(), 0.7)))
-    } else {
-        None
-    };
+    let field = forcing(ForcingKind::Sinusoidal).field(360, system.region.sides()).unwrap();
+    let driving: Option<Box<dyn Driving>> =
+        if driven { Some(Box::new(ConstantFlux::new(field, 0.01, Projection::Symmetric))) } else { None };
     Simulation::new(system, integrator, driving, noise, 0.02).unwrap()
 }
 

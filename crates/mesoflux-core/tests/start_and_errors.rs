@@ -3,9 +3,9 @@
 
 mod common;
 
-use common::{Fluid, splitting, velocity_verlet};
-use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
-use mesoflux_core::forcing::{ColorDrift, Forcing, ForcingError, ForcingKind};
+use common::{Fluid, forcing, splitting, velocity_verlet};
+use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
+use mesoflux_core::forcing::{ColorDrift, Forcing, ForcingError, ForcingField, ForcingKind};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::simulation::{SetupError, Simulation};
 use mesoflux_core::state::Particles;
@@ -41,8 +41,8 @@ fn a_position_that_is_no_number_ends_in_an_error_that_names_its_particle() {
 #[test]
 fn velocity_verlet_refuses_a_driving() {
     let drivings: [Box<dyn Driving>; 2] = [
-        Box::new(ConstantForce::new(Box::new(ColorDrift), 1.0)),
-        Box::new(ConstantFlux::new(Box::new(ColorDrift), 1.0)),
+        Box::new(ConstantForce::new(ForcingField::new(Box::new(ColorDrift)), 1.0)),
+        Box::new(ConstantFlux::new(ForcingField::new(Box::new(ColorDrift)), 1.0, Projection::Symmetric)),
     ];
     for driving in drivings {
         let noise = NoiseKey::new(&[1]);
@@ -54,9 +54,10 @@ fn velocity_verlet_refuses_a_driving() {
 
 #[test]
 fn color_drift_refuses_an_odd_number_of_particles() {
-    assert_eq!(ForcingKind::ColorDrift.forcing(191).unwrap_err(), ForcingError::OddParticles(191));
-    assert!(ForcingKind::ColorDrift.forcing(192).is_ok());
-    assert!(ForcingKind::TwoParticleDrift.forcing(191).is_ok());
+    let refused = |kind, particles| forcing(kind).field(particles, [4.0; 3]).err();
+    assert_eq!(refused(ForcingKind::ColorDrift, 191), Some(ForcingError::OddParticles(191)));
+    assert_eq!(refused(ForcingKind::ColorDrift, 192), None);
+    assert_eq!(refused(ForcingKind::TwoParticleDrift, 191), None);
 }
 
 /// Pushes along x by color and watches the current along x, or along y, which it can't control.
@@ -66,13 +67,14 @@ struct Watching {
 }
 
 impl Forcing for Watching {
-    fn force(&self, particles: &Particles, k: usize) -> Vector {
-        ColorDrift.force(particles, k)
-    }
-    fn response(&self, particles: &Particles, k: usize) -> Vector {
+    fn at(&self, particles: &Particles, k: usize) -> [Vector; 2] {
+        let [force, _] = ColorDrift.at(particles, k);
         let mut response = [0.0; 3];
-        response[self.axis] = ColorDrift.force(particles, k)[0];
-        response
+        response[self.axis] = force[0];
+        [force, response]
+    }
+    fn is_balanced(&self) -> bool {
+        true
     }
     fn depends_on_positions(&self) -> bool {
         false
@@ -86,7 +88,8 @@ impl Forcing for Watching {
 fn a_flux_that_the_forcing_cannot_move_is_refused() {
     let noise = NoiseKey::new(&[1]);
     let start = |axis| {
-        let driving = Box::new(ConstantFlux::new(Box::new(Watching { axis }), 1.0));
+        let driving =
+            Box::new(ConstantFlux::new(ForcingField::new(Box::new(Watching { axis })), 1.0, Projection::Symmetric));
         let system = Fluid::groot_warren(192).system(1.0, noise);
         Simulation::new(system, splitting("ABOBA"), Some(driving), noise, 0.01)
     };

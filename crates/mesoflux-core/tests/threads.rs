@@ -5,8 +5,8 @@ mod common;
 
 use common::{Fluid, by_id};
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::ConstantFlux;
-use mesoflux_core::forcing::ColorDrift;
+use mesoflux_core::driving::{ConstantFlux, Projection};
+use mesoflux_core::forcing::{ColorDrift, ForcingField};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::vector::Vector;
 
@@ -21,7 +21,7 @@ struct Trace {
 }
 
 fn run(fluid: &Fluid, steps: usize, dt: f64, workers: Workers) -> Trace {
-    let driving = Box::new(ConstantFlux::new(Box::new(ColorDrift), 30.0));
+    let driving = Box::new(ConstantFlux::new(ForcingField::new(Box::new(ColorDrift)), 30.0, Projection::Symmetric));
     let mut simulation = fluid.simulation("ABOBA", Some(driving), NoiseKey::new(&[1]), dt);
     simulation.system.workers = workers;
     let driven = (0..steps).map(|_| simulation.step().unwrap().unwrap());

@@ -5,7 +5,7 @@ use mesoflux_core::pair::KERNEL;
 use serde::Serialize;
 
 /// The version of the layout of a state.
-const LAYOUT: u32 = 3;
+const LAYOUT: u32 = 4;
 
 /// Read before the rest, its fields in this order. What follows it is the simulation's snapshot, then the recorders.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

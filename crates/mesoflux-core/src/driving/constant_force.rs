@@ -1,10 +1,9 @@
 //! Nonequilibrium molecular dynamics: a constant magnitude η of the forcing, the flux answers (Wu & Shang, eq. 6).
 
 use super::{DrivenStep, Driving};
-use crate::forcing::{Forcing, ForcingError, ForcingField};
+use crate::forcing::{ForcingError, ForcingField};
 use crate::integrate::{Change, Constraint};
 use crate::system::System;
-use crate::vector::add_scaled;
 
 /// Adds η F(q) to the conservative force in every kick.
 #[derive(Debug)]
@@ -15,8 +14,8 @@ pub struct ConstantForce {
 
 impl ConstantForce {
     /// The driving by η F.
-    pub fn new(forcing: Box<dyn Forcing>, magnitude: f64) -> Self {
-        Self { magnitude, field: ForcingField::new(forcing) }
+    pub fn new(field: ForcingField, magnitude: f64) -> Self {
+        Self { magnitude, field }
     }
 }
 
@@ -34,12 +33,7 @@ impl Driving for ConstantForce {
     fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, _change: Change) {
         if symbol == 'B' {
             self.field.update(&system.particles, system.layout(), true, system.workers);
-            let (field, impulse) = (&self.field, time * self.magnitude);
-            system.workers.for_each_chunk(&mut system.particles.momentum, |offset, momenta| {
-                for (k, momentum) in momenta.iter_mut().enumerate() {
-                    add_scaled(momentum, impulse, field.force[offset + k]);
-                }
-            });
+            self.field.push(&mut system.particles, time * self.magnitude, system.workers);
         }
     }
 

@@ -3,7 +3,7 @@
 mod constant_flux;
 mod constant_force;
 
-pub use constant_flux::ConstantFlux;
+pub use constant_flux::{ConstantFlux, Projection};
 pub use constant_force::ConstantForce;
 
 use crate::forcing::ForcingError;
@@ -19,6 +19,9 @@ pub trait Driving: std::fmt::Debug + Send + Sync {
     /// A forcing that cannot do what the driving needs.
     fn begin(&mut self, system: &mut System) -> Result<(), ForcingError>;
 
+    /// Acts before the letter `symbol`, which is about to take `time`.
+    fn before_letter(&mut self, _system: &mut System, _symbol: char, _time: f64) {}
+
     /// The fixed flux, where there is one: letters must tell their expected change of it, and may restore it; for `system` before
     /// the letter.
     fn constraint(&mut self, system: &System) -> Option<Constraint<'_>>;
@@ -32,6 +35,16 @@ pub trait Driving: std::fmt::Debug + Send + Sync {
     /// Whether every letter must tell the expected part of its change of the flux.
     fn needs_expected_flux(&self) -> bool {
         false
+    }
+
+    /// What the driving remembers from step to step, for the checkpoint.
+    fn memory(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Takes over what `memory` gave; false if it can't be.
+    fn remember(&mut self, memory: &[f64]) -> bool {
+        memory.is_empty()
     }
 
     /// λ(q, p) of Wu & Shang's eq. 13 at the present state: what the booked multipliers average to as Δt → 0.

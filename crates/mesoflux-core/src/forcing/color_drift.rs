@@ -9,17 +9,18 @@ use crate::vector::Vector;
 pub struct ColorDrift;
 
 impl Forcing for ColorDrift {
-    fn force(&self, particles: &Particles, k: usize) -> Vector {
+    fn at(&self, particles: &Particles, k: usize) -> [Vector; 2] {
         let magnitude = 1.0 / (particles.count() as f64).sqrt();
-        [if particles.id[k].is_multiple_of(2) { magnitude } else { -magnitude }, 0.0, 0.0]
-    }
-
-    fn response(&self, particles: &Particles, k: usize) -> Vector {
-        self.force(particles, k).map(|f| f * particles.inverse_mass[k])
+        let force = if particles.id[k].is_multiple_of(2) { magnitude } else { -magnitude };
+        [[force, 0.0, 0.0], [force * particles.inverse_mass[k], 0.0, 0.0]]
     }
 
     fn depends_on_positions(&self) -> bool {
         false
+    }
+
+    fn is_balanced(&self) -> bool {
+        true
     }
 
     fn check(&self, particles: usize) -> Result<(), ForcingError> {

@@ -1,24 +1,33 @@
 //! External forcings F(q) and the responses R = G(q)·p that belong to them: one file each, and their registry.
 
 mod color_drift;
+mod piecewise_constant;
+mod piecewise_linear;
+mod shear;
+mod sinusoidal;
 mod two_particle_drift;
 
 pub use color_drift::ColorDrift;
+pub use piecewise_constant::PiecewiseConstant;
+pub use piecewise_linear::PiecewiseLinear;
+pub use shear::{Axis, Shear, ShearProfile, Wave};
+pub use sinusoidal::Sinusoidal;
 pub use two_particle_drift::TwoParticleDrift;
 
+use crate::domain::Workers;
 use crate::lanes::Row;
 use crate::state::Particles;
-use crate::vector::{Vector, ZERO, dot};
+use crate::vector::{Vector, ZERO, add_scaled, dot};
 use serde::{Deserialize, Serialize};
 
 /// A forcing and its response.
 pub trait Forcing: std::fmt::Debug + Send + Sync {
-    /// The normalized force on the particle in place k, in a system of N particles.
-    fn force(&self, particles: &Particles, k: usize) -> Vector;
-    /// The response G of the particle in place k.
-    fn response(&self, particles: &Particles, k: usize) -> Vector;
+    /// The force F on the particle in place k at unit magnitude, and the response G of the same particle.
+    fn at(&self, particles: &Particles, k: usize) -> [Vector; 2];
     /// Whether F or G change when positions do.
     fn depends_on_positions(&self) -> bool;
+    /// Whether the forces on all particles sum to zero.
+    fn is_balanced(&self) -> bool;
     /// (∇G p)·M⁻¹p of the particle in place k: how fast its part of the flux changes by free flight.
     fn response_drift(&self, _particles: &Particles, _k: usize) -> f64 {
         0.0
@@ -44,12 +53,18 @@ pub enum ForcingError {
         /// How many there are.
         found: usize,
     },
+    /// A force that changes along its own direction drives no shear flow.
+    #[error("gradient must be another axis than flow")]
+    FlowAlongGradient,
+    /// A force without a wave is the same everywhere.
+    #[error("waves must be at least 1")]
+    NoWave,
     /// Nothing to control the flux with.
     #[error("F·G = {0}: must not be zero, or no magnitude of the forcing can hold the flux")]
     NoControl(f64),
 }
 
-/// Any of the known forcings, by its name in the input file.
+/// The known forcings, by their names in the input file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ForcingKind {
@@ -57,24 +72,65 @@ pub enum ForcingKind {
     ColorDrift,
     /// The first two particles pushed apart.
     TwoParticleDrift,
+    /// A force along the flow that is a sine along the gradient.
+    Sinusoidal,
+    /// A force that rises and falls linearly along the gradient.
+    PiecewiseLinear,
+    /// A force one way in one half of each wave, the other way in the other.
+    PiecewiseConstant,
 }
 
 impl ForcingKind {
-    /// The forcing for a system of N particles.
+    /// |F₁| of eq. 88 for a forcing that drives a shear flow; none for others.
+    pub fn first_coefficient(self) -> Option<f64> {
+        match self {
+            Self::ColorDrift | Self::TwoParticleDrift => None,
+            Self::Sinusoidal => Some(Sinusoidal::FIRST_COEFFICIENT),
+            Self::PiecewiseLinear => Some(PiecewiseLinear::FIRST_COEFFICIENT),
+            Self::PiecewiseConstant => Some(PiecewiseConstant::FIRST_COEFFICIENT),
+        }
+    }
+
+    /// Whether it drives a shear flow.
+    pub fn is_shear(self) -> bool {
+        self.first_coefficient().is_some()
+    }
+}
+
+/// A forcing with all that it needs to be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ForcingChoice {
+    /// Which.
+    pub kind: ForcingKind,
+    /// The directions and the length of a shear flow.
+    pub wave: Wave,
+    /// Whether the mean force is removed at every step, see [`ForcingField`].
+    pub remove_mean_force: bool,
+}
+
+impl ForcingChoice {
+    /// The forcing for a system of N particles in a box with these sides.
     ///
     /// # Errors
     /// A system for which the forcing is impossible.
-    pub fn forcing(self, particles: usize) -> Result<Box<dyn Forcing>, ForcingError> {
-        let forcing: Box<dyn Forcing> = match self {
-            Self::ColorDrift => Box::new(ColorDrift),
-            Self::TwoParticleDrift => Box::new(TwoParticleDrift),
+    pub fn field(&self, particles: usize, sides: Vector) -> Result<ForcingField, ForcingError> {
+        let forcing: Box<dyn Forcing> = match self.kind {
+            ForcingKind::ColorDrift => Box::new(ColorDrift),
+            ForcingKind::TwoParticleDrift => Box::new(TwoParticleDrift),
+            ForcingKind::Sinusoidal => Box::new(Shear::<Sinusoidal>::new(self.wave, sides, particles)),
+            ForcingKind::PiecewiseLinear => Box::new(Shear::<PiecewiseLinear>::new(self.wave, sides, particles)),
+            ForcingKind::PiecewiseConstant => Box::new(Shear::<PiecewiseConstant>::new(self.wave, sides, particles)),
         };
         forcing.check(particles)?;
-        Ok(forcing)
+        Ok(ForcingField { remove_mean_force: self.remove_mean_force, ..ForcingField::new(forcing) })
     }
 }
 
 /// F, G and F·G at the present positions, in storage order.
+///
+/// A force on particles that move has a sum that fluctuates, even where it vanishes on average; without a momentum sink it makes the
+/// whole box drift. Where the mean force is removed, F_i − (m_i/M)Σ_j F_j acts: what an observer sees who moves with the center
+/// of mass.
 #[derive(Debug)]
 pub struct ForcingField {
     forcing: Box<dyn Forcing>,
@@ -84,17 +140,19 @@ pub struct ForcingField {
     pub response: Vec<Row>,
     /// F·G.
     pub control: f64,
+    remove_mean_force: bool,
     layout: Option<u64>,
 }
 
 impl ForcingField {
-    /// A field not yet evaluated.
+    /// A field not yet evaluated, its mean force removed.
     pub fn new(forcing: Box<dyn Forcing>) -> Self {
-        Self { forcing, force: Vec::new(), response: Vec::new(), control: f64::NAN, layout: None }
+        let (force, response) = (Vec::new(), Vec::new());
+        Self { forcing, force, response, control: f64::NAN, remove_mean_force: true, layout: None }
     }
 
     /// Brings F, G and F·G up to date after the storage order (`layout`) or the positions (`moved`) changed.
-    pub fn update(&mut self, particles: &Particles, layout: u64, moved: bool, workers: crate::domain::Workers) {
+    pub fn update(&mut self, particles: &Particles, layout: u64, moved: bool, workers: Workers) {
         if self.layout == Some(layout) && !(moved && self.forcing.depends_on_positions()) {
             return;
         }
@@ -102,18 +160,43 @@ impl ForcingField {
         let forcing = &self.forcing;
         self.force.resize(particles.count(), ZERO);
         self.response.resize(particles.count(), Row::default());
-        workers.for_each_chunk(&mut self.force, |offset, chunk| {
-            chunk.iter_mut().enumerate().for_each(|(k, f)| *f = forcing.force(particles, offset + k));
+        workers.for_each_chunk_of_two(&mut self.force, &mut self.response, |offset, forces, responses| {
+            for (k, (force, response)) in forces.iter_mut().zip(responses).enumerate() {
+                let [f, g] = forcing.at(particles, offset + k);
+                (*force, *response) = (f, Row::new(g, 0.0));
+            }
         });
-        workers.for_each_chunk(&mut self.response, |offset, chunk| {
-            chunk.iter_mut().enumerate().for_each(|(k, g)| *g = Row::new(forcing.response(particles, offset + k), 0.0));
-        });
+        if self.remove_mean_force && !self.forcing.is_balanced() {
+            self.remove_mean(particles, workers);
+        }
         self.control = workers.sum(particles.count(), |k| dot(self.force[k], self.response[k].vector()));
     }
 
+    /// F_i −= (m_i/M) Σ_j F_j.
+    fn remove_mean(&mut self, particles: &Particles, workers: Workers) {
+        let mass = particles.total_mass(workers);
+        let force = &self.force;
+        let acceleration: Vector =
+            std::array::from_fn(|axis| workers.sum(particles.count(), |k| force[k][axis]) / mass);
+        workers.for_each_chunk(&mut self.force, |offset, forces| {
+            for (k, force) in forces.iter_mut().enumerate() {
+                add_scaled(force, -1.0 / particles.inverse_mass[offset + k], acceleration);
+            }
+        });
+    }
+
     /// R = G·p.
-    pub fn flux(&self, particles: &Particles, workers: crate::domain::Workers) -> f64 {
+    pub fn flux(&self, particles: &Particles, workers: Workers) -> f64 {
         workers.sum(particles.count(), |k| dot(self.response[k].vector(), particles.momentum[k]))
+    }
+
+    /// p += c F.
+    pub fn push(&self, particles: &mut Particles, magnitude: f64, workers: Workers) {
+        workers.for_each_chunk(&mut particles.momentum, |offset, momenta| {
+            for (k, momentum) in momenta.iter_mut().enumerate() {
+                add_scaled(momentum, magnitude, self.force[offset + k]);
+            }
+        });
     }
 
     /// The forcing.

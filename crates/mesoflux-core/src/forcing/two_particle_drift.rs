@@ -11,17 +11,18 @@ use crate::vector::Vector;
 pub struct TwoParticleDrift;
 
 impl Forcing for TwoParticleDrift {
-    fn force(&self, particles: &Particles, k: usize) -> Vector {
+    fn at(&self, particles: &Particles, k: usize) -> [Vector; 2] {
         let magnitude = std::f64::consts::FRAC_1_SQRT_2;
-        [[magnitude, -magnitude].get(particles.id[k] as usize).copied().unwrap_or(0.0), 0.0, 0.0]
-    }
-
-    fn response(&self, particles: &Particles, k: usize) -> Vector {
-        self.force(particles, k).map(|f| f * particles.inverse_mass[k])
+        let force = [magnitude, -magnitude].get(particles.id[k] as usize).copied().unwrap_or(0.0);
+        [[force, 0.0, 0.0], [force * particles.inverse_mass[k], 0.0, 0.0]]
     }
 
     fn depends_on_positions(&self) -> bool {
         false
+    }
+
+    fn is_balanced(&self) -> bool {
+        true
     }
 
     fn check(&self, particles: usize) -> Result<(), ForcingError> {

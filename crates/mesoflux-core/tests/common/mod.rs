@@ -9,6 +9,7 @@ pub use scores::{check_scores, probit, seeds};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::Driving;
+use mesoflux_core::forcing::{Axis, ForcingChoice, ForcingKind, Wave};
 use mesoflux_core::friction::{Friction, linear::Linear};
 use mesoflux_core::integrate::{Integrator, Schedule, SweepOrder, Thermostat, VelocityVerlet};
 use mesoflux_core::interactions::{Interactions, PairTable};
@@ -153,4 +154,9 @@ pub fn unwrapped(system: &System) -> Vec<Vector> {
 /// What `run(replica)` returns for 0 ≤ replica < `count`, worked out on all cores.
 pub fn replicas<T: Send>(count: u64, run: impl Fn(u64) -> T + Sync) -> Vec<T> {
     (0..count as usize).into_par_iter().with_max_len(1).map(|replica| run(replica as u64)).collect()
+}
+
+/// A forcing; one that drives a shear flow pushes along x in one wave along y, its mean force removed.
+pub fn forcing(kind: ForcingKind) -> ForcingChoice {
+    ForcingChoice { kind, wave: Wave { flow: Axis::X, gradient: Axis::Y, waves: 1 }, remove_mean_force: true }
 }
