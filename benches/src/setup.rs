@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use crate::task::Drive;
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
-use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
+use mesoflux_core::forcing::{ColorDrift, ForcingField};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::simulation::Simulation;
 use mesoflux_core::start::{Start, deal_species, draw_momenta, positions, relax_overlaps};
@@ -36,15 +36,15 @@ pub fn simulation(input: &Input, drive: Drive, replica: u64, workers: Workers) -
     system.positions_moved().map_err(Failure::simulation)?;
     draw_momenta(&mut system.particles, input.dynamics.temperature, noise);
     let integrator = input.integrator().map_err(Failure::simulation)?;
-    let driving = driving(drive, system.particles.count())?;
+    let driving = driving(drive);
     Simulation::new(system, integrator, driving, noise, input.dynamics.time_step).map_err(Failure::simulation)
 }
 
-fn driving(drive: Drive, particles: usize) -> Result<Option<Box<dyn Driving>>, Failure> {
-    let forcing = || ForcingKind::ColorDrift.forcing(particles).map_err(Failure::simulation);
-    Ok(match drive {
+fn driving(drive: Drive) -> Option<Box<dyn Driving>> {
+    let field = || ForcingField::new(Box::new(ColorDrift));
+    match drive {
         Drive::None => None,
-        Drive::Nemd(magnitude) => Some(Box::new(ConstantForce::new(forcing()?, magnitude))),
-        Drive::Norton(flux) => Some(Box::new(ConstantFlux::new(forcing()?, flux))),
-    })
+        Drive::Nemd(magnitude) => Some(Box::new(ConstantForce::new(field(), magnitude))),
+        Drive::Norton(flux) => Some(Box::new(ConstantFlux::new(field(), flux, Projection::default()))),
+    }
 }

@@ -59,6 +59,26 @@ impl Estimate {
         scaled
     }
 
+    /// The estimate of one over the quantity, its error s/x² (delta method).
+    ///
+    /// `None` with a warning if x lies within three of its standard errors of zero; a warning if within ten, as 1/x is then visibly
+    /// skewed.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        match (self.value, self.standard_error) {
+            (Some(x), Some(error)) if x.abs() > 3.0 * error => {
+                let mut inverse = Self::new(1.0 / x, error / (x * x), self.effective_samples);
+                inverse.warnings.splice(0..0, self.warnings);
+                if x.abs() < 10.0 * error {
+                    inverse = inverse.with_warning("the slope is close to zero: the error is symmetric only roughly");
+                }
+                inverse
+            }
+            _ => Self { warnings: self.warnings, ..Self::default() }
+                .with_warning("the slope lies within three standard errors of zero: its inverse can't be told"),
+        }
+    }
+
     /// Standard error over the magnitude of the value; `None` if either is unknown or the value is zero.
     pub fn relative_error(&self) -> Option<f64> {
         finite(self.standard_error? / self.value?.abs())

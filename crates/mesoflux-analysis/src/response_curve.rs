@@ -150,19 +150,7 @@ pub fn fit_response(points: &[ResponsePoint], choice: OrderChoice) -> Result<Res
 /// As [`fit_response`].
 pub fn fit_inverse_response(points: &[ResponsePoint], choice: OrderChoice) -> Result<ResponseCurve, AnalysisError> {
     let mut curve = fit_response(points, choice)?;
-    let slope = curve.coefficient;
-    curve.coefficient = match (slope.value, slope.standard_error) {
-        (Some(a), Some(error)) if a.abs() > 3.0 * error => {
-            let mut inverse = Estimate::new(1.0 / a, error / (a * a), slope.effective_samples);
-            inverse.warnings.splice(0..0, slope.warnings);
-            if a.abs() < 10.0 * error {
-                inverse = inverse.with_warning("the slope is close to zero: the error is symmetric only roughly");
-            }
-            inverse
-        }
-        _ => Estimate { warnings: slope.warnings, ..Estimate::default() }
-            .with_warning("the slope lies within three standard errors of zero: its inverse can't be told"),
-    };
+    curve.coefficient = curve.coefficient.inverse();
     Ok(curve)
 }
 

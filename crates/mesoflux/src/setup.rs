@@ -7,6 +7,7 @@ use mesoflux_core::bond::Topology;
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
+use mesoflux_core::forcing::ForcingChoice;
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::simulation::Simulation;
 use mesoflux_core::start::{
@@ -28,19 +29,18 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
         }
         _ => &point.input,
     };
-    let [route, forcing, strength] = kind.identity();
-    let noise = NoiseKey::new(&[input.run.seed, task.point as u64, route, forcing, strength, task.replica]);
+    let identity = [vec![input.run.seed, task.point as u64], kind.identity(), vec![task.replica]].concat();
+    let noise = NoiseKey::new(&identity);
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let system = start(input, noise, workers, place)?;
+    let field = |forcing: ForcingChoice| {
+        forcing.field(system.particles.count(), system.region.sides()).map_err(|error| refused(error.to_string()))
+    };
     let driving: Option<Box<dyn Driving>> = match *kind {
         RunKind::Equilibrium | RunKind::AtDensity { .. } => None,
-        RunKind::Nemd { forcing, magnitude } => {
-            let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
-            Some(Box::new(ConstantForce::new(forcing, magnitude)))
-        }
-        RunKind::Norton { forcing, flux } => {
-            let forcing = forcing.forcing(system.particles.count()).map_err(|error| refused(error.to_string()))?;
-            Some(Box::new(ConstantFlux::new(forcing, flux)))
+        RunKind::Nemd { forcing, magnitude } => Some(Box::new(ConstantForce::new(field(forcing)?, magnitude))),
+        RunKind::Norton { forcing, flux, projection } => {
+            Some(Box::new(ConstantFlux::new(field(forcing)?, flux, projection)))
         }
     };
     let integrator = input.integrator().map_err(|error| refused(error.to_string()))?;

@@ -54,10 +54,10 @@ pub enum ForcingError {
         found: usize,
     },
     /// A force that changes along its own direction drives no shear flow.
-    #[error("gradient must be another axis than flow")]
+    #[error("must be another axis than that of the flow")]
     FlowAlongGradient,
     /// A force without a wave is the same everywhere.
-    #[error("waves must be at least 1")]
+    #[error("must be at least 1")]
     NoWave,
     /// Nothing to control the flux with.
     #[error("F·G = {0}: must not be zero, or no magnitude of the forcing can hold the flux")]

@@ -24,7 +24,8 @@ pub use structure::{DerivativeInput, DistributionInput, FluctuationInput};
 pub use sweep::{Point, Sweep};
 pub use validate::Invalid;
 
-use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::driving::Projection;
+use mesoflux_core::forcing::{Axis, ForcingKind};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{SweepOrder, Thermostat};
 use mesoflux_core::potential::Potential;
@@ -250,6 +251,19 @@ pub struct MeasureInput {
     /// How the fluid is driven, for the routes that drive it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forcing: Option<ForcingKind>,
+    /// The axis along which a shear forcing pushes; x if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow: Option<Axis>,
+    /// The axis along which a shear forcing changes; y if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient: Option<Axis>,
+    /// How many waves of a shear forcing fit into the box; 1 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waves: Option<u32>,
+    /// Whether the mean of a shear forcing over the particles is removed at every step, so that momentum is conserved; so it is if
+    /// left out. Without, the box drifts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remove_mean_force: Option<bool>,
     /// Whose fluctuations are measured, for quantities that belong to an observable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observable: Option<Observable>,
@@ -447,6 +461,9 @@ pub struct NemdInput {
 pub struct NortonInput {
     /// r, one number or several.
     pub flux: Magnitudes,
+    /// How the flux is brought back after a letter has changed it.
+    #[serde(default)]
+    pub projection: Projection,
     /// Also average λ(q, p) of eq. 13 along the trajectory, an independent check of the booked multipliers.
     #[serde(default)]
     pub check_forcing_observable: bool,

@@ -36,7 +36,7 @@ impl Quantity {
             Self::RadialDistribution => &["histogram"],
             Self::IsothermalCompressibility | Self::SoundSpeed => &["derivative", "fluctuation"],
             Self::ShearViscosity => {
-                &["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current"]
+                &["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current", "nemd", "norton"]
             }
             Self::BulkViscosity => &["green_kubo", "green_kubo_total_stress"],
             Self::CorrelationTime | Self::AsymptoticVariance => &["blocking", "correlation"],

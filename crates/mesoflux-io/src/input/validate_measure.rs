@@ -4,6 +4,7 @@ use super::structure::MOST_BINS;
 use super::validate::{Invalid, number, written};
 use super::wording::one_of;
 use super::{CountingInput, Input, MeasureInput, Quantity, RoutesInput};
+use mesoflux_core::forcing::{Axis, ForcingChoice, ForcingError, ForcingKind, Wave};
 use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
 use mesoflux_core::potential::Requirement;
 
@@ -97,16 +98,15 @@ impl Input {
     }
 
     fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {
+        self.validate_forcing(path, measure)?;
         let magnitudes = routes.nemd.as_ref().map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
         let fluxes = routes.norton.as_ref().map(|norton| ("routes.norton.flux", &norton.flux));
         for (key, values) in magnitudes.into_iter().chain(fluxes) {
-            let Some(forcing) = measure.forcing else {
-                return Err(Invalid::new(
-                    path,
-                    "",
-                    format!("forcing is missing: {key} needs one, e.g. forcing = \"color_drift\""),
-                ));
-            };
+            if measure.forcing.is_none() {
+                let example = if measure.quantity == Quantity::Mobility { "color_drift" } else { "sinusoidal" };
+                let requirement = format!("forcing is missing: {key} needs one, e.g. forcing = \"{example}\"");
+                return Err(Invalid::new(path, "", requirement));
+            }
             if self.dynamics.velocity_verlet.is_some() {
                 return Err(Invalid::new(
                     format!("{path}.{key}"),
@@ -114,16 +114,13 @@ impl Input {
                     "needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act",
                 ));
             }
-            forcing
-                .forcing(self.particles() as usize)
-                .map_err(|error| Invalid::new(format!("{path}.forcing"), "", error))?;
             if values.0.is_empty() {
                 return Err(Invalid::new(format!("{path}.{key}"), "[]", "must hold at least one number"));
             }
             for (index, &value) in values.0.iter().enumerate() {
                 let place = if values.0.len() > 1 { format!("{path}.{key}.{index}") } else { format!("{path}.{key}") };
-                if !value.is_finite() || value == 0.0 {
-                    return Err(Invalid::new(place, written(value), "must be finite and not zero"));
+                if !value.is_finite() {
+                    return Err(Invalid::new(place, written(value), "must be finite"));
                 }
                 if values.0[..index].contains(&value) {
                     return Err(Invalid::new(place, written(value), "must not be given twice"));
@@ -131,5 +128,71 @@ impl Input {
             }
         }
         Ok(())
+    }
+
+    /// A forcing that drives what is measured, in a box and with particles that allow it.
+    fn validate_forcing(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
+        let shears = measure.forcing.is_some_and(ForcingKind::is_shear);
+        let given = [
+            ("flow", measure.flow.is_some()),
+            ("gradient", measure.gradient.is_some()),
+            ("waves", measure.waves.is_some()),
+            ("remove_mean_force", measure.remove_mean_force.is_some()),
+        ];
+        if let Some((key, _)) = given.into_iter().find(|(_, given)| *given && !shears) {
+            let requirement =
+                "must be left out: it belongs to a forcing that drives a shear flow, such as \"sinusoidal\"";
+            return Err(Invalid::new(format!("{path}.{key}"), "", requirement));
+        }
+        let Some(choice) = measure.forcing_choice() else {
+            return Ok(());
+        };
+        let place = format!("{path}.forcing");
+        let fits = match measure.quantity {
+            Quantity::ShearViscosity => shears,
+            Quantity::Mobility => !shears,
+            _ => false,
+        };
+        if !fits {
+            let requirement = match measure.quantity {
+                Quantity::ShearViscosity => {
+                    "must be \"sinusoidal\", \"piecewise_linear\" or \"piecewise_constant\" for a shear viscosity"
+                }
+                Quantity::Mobility => "must be \"color_drift\" or \"two_particle_drift\" for a mobility",
+                _ => "must be left out: only mobility and shear_viscosity are measured by driving the fluid",
+            };
+            return Err(Invalid::new(place, "", requirement));
+        }
+        choice.field(self.particles() as usize, self.sides()).map(|_| ()).map_err(|error| {
+            let key = match error {
+                ForcingError::FlowAlongGradient => "gradient",
+                ForcingError::NoWave => "waves",
+                _ => "forcing",
+            };
+            Invalid::new(format!("{path}.{key}"), "", error)
+        })
+    }
+}
+
+impl MeasureInput {
+    /// The forcing with all that it needs to be told, where one is named.
+    pub fn forcing_choice(&self) -> Option<ForcingChoice> {
+        let wave = Wave {
+            flow: self.flow.unwrap_or(Axis::X),
+            gradient: self.gradient.unwrap_or(Axis::Y),
+            waves: self.waves.unwrap_or(1),
+        };
+        let remove_mean_force = self.remove_mean_force.unwrap_or(true);
+        self.forcing.map(|kind| ForcingChoice { kind, wave, remove_mean_force })
+    }
+
+    /// Fills in what a shear forcing leaves open.
+    pub(super) fn fill_forcing(&mut self) {
+        if let Some(ForcingChoice { kind, wave, remove_mean_force }) = self.forcing_choice()
+            && kind.is_shear()
+        {
+            (self.flow, self.gradient, self.waves) = (Some(wave.flow), Some(wave.gradient), Some(wave.waves));
+            self.remove_mean_force = Some(remove_mean_force);
+        }
     }
 }

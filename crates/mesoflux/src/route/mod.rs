@@ -15,6 +15,7 @@ mod probability_density;
 mod profile;
 mod radial_distribution;
 mod record;
+mod transport;
 mod transverse_current;
 mod velocity_autocorrelation;
 
@@ -24,7 +25,8 @@ pub use record::{DrivenRecorder, Record};
 use compressibility::Wanted;
 use green_kubo::Viscosity;
 use mesoflux_analysis::{AnalysisError, Estimate};
-use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::driving::Projection;
+use mesoflux_core::forcing::ForcingChoice;
 use mesoflux_core::observable::Thermodynamics;
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::{Input, MeasureInput, Quantity};
@@ -39,16 +41,18 @@ pub enum RunKind {
     /// By a constant force η.
     Nemd {
         /// What is pushed.
-        forcing: ForcingKind,
+        forcing: ForcingChoice,
         /// η.
         magnitude: f64,
     },
     /// At a constant flux r.
     Norton {
         /// What is pushed.
-        forcing: ForcingKind,
+        forcing: ForcingChoice,
         /// r.
         flux: f64,
+        /// How it is held.
+        projection: Projection,
     },
     /// Not at all, at another density.
     AtDensity {
@@ -81,12 +85,24 @@ impl RunKind {
     /// Numbers that tell this kind of run from all others; part of its noise key.
     ///
     /// The strength itself enters, not its place in a list: a list that grows leaves the runs of its old entries as they were.
-    pub fn identity(&self) -> [u64; 3] {
+    pub fn identity(&self) -> Vec<u64> {
+        let of = |forcing: ForcingChoice| {
+            let ForcingChoice { kind, wave, remove_mean_force } = forcing;
+            let shear = [wave.flow as u64, wave.gradient as u64, wave.waves.into(), remove_mean_force.into()];
+            let more = if kind.is_shear() { &shear[..] } else { &[] };
+            (kind as u64, more.to_vec())
+        };
         match *self {
-            Self::Equilibrium => [0, 0, 0],
-            Self::Nemd { forcing, magnitude } => [1, forcing as u64, magnitude.to_bits()],
-            Self::Norton { forcing, flux } => [2, forcing as u64, flux.to_bits()],
-            Self::AtDensity { factor } => [3, 0, factor.to_bits()],
+            Self::Equilibrium => vec![0, 0, 0],
+            Self::Nemd { forcing, magnitude } => {
+                let (kind, more) = of(forcing);
+                [vec![1, kind, magnitude.to_bits()], more].concat()
+            }
+            Self::Norton { forcing, flux, projection } => {
+                let (kind, more) = of(forcing);
+                [vec![2, kind, flux.to_bits(), projection as u64], more].concat()
+            }
+            Self::AtDensity { factor } => vec![3, 0, factor.to_bits()],
         }
     }
 }
@@ -251,15 +267,11 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
             routes.push(Box::new(memory::Memory { observable, quantity: measure.quantity, correlation }));
         }
     }
-    if let (Some(nemd), Some(forcing)) = (asked.nemd, measure.forcing) {
-        routes.push(Box::new(nemd::Nemd { forcing, magnitudes: nemd.magnitude.0 }));
+    if let (Some(parameters), Some(forcing)) = (asked.nemd, measure.forcing_choice()) {
+        routes.push(Box::new(nemd::Nemd { forcing, parameters }));
     }
-    if let (Some(norton), Some(forcing)) = (asked.norton, measure.forcing) {
-        routes.push(Box::new(norton::Norton {
-            forcing,
-            fluxes: norton.flux.0,
-            check_forcing_observable: norton.check_forcing_observable,
-        }));
+    if let (Some(parameters), Some(forcing)) = (asked.norton, measure.forcing_choice()) {
+        routes.push(Box::new(norton::Norton { forcing, parameters }));
     }
     if let Some(parameters) = asked.histogram {
         routes.push(Box::new(radial_distribution::Histogram { parameters }));

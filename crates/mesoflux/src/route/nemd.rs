@@ -1,15 +1,16 @@
-//! Mobility by nonequilibrium molecular dynamics: the flux that a constant force drives (Wu & Shang, eqs 8, 9).
+//! Transport coefficients by nonequilibrium molecular dynamics: the flux that a constant force drives (Wu & Shang, eqs 8, 9).
 
+use super::transport::Transport;
 use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteRecorder, RunKind};
 use mesoflux_analysis::{Estimate, OrderChoice, ResponseCurve, ResponsePoint, fit_response};
-use mesoflux_core::forcing::ForcingKind;
-use mesoflux_io::input::Input;
+use mesoflux_core::forcing::ForcingChoice;
+use mesoflux_io::input::{Input, NemdInput};
 use mesoflux_io::results::{Conditions, Table};
 
 /// α from R(η) = αη + βη³ + …; with one magnitude α = R/η.
 pub(super) struct Nemd {
-    pub forcing: ForcingKind,
-    pub magnitudes: Vec<f64>,
+    pub forcing: ForcingChoice,
+    pub parameters: NemdInput,
 }
 
 impl Route for Nemd {
@@ -18,29 +19,36 @@ impl Route for Nemd {
     }
 
     fn runs(&self) -> Vec<RunKind> {
-        self.magnitudes.iter().map(|&magnitude| RunKind::Nemd { forcing: self.forcing, magnitude }).collect()
+        self.parameters
+            .magnitude
+            .0
+            .iter()
+            .map(|&magnitude| RunKind::Nemd { forcing: self.forcing, magnitude })
+            .collect()
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
         Ok(Box::new(DrivenRecorder::new(input.run.sample_interval, false)?))
     }
 
-    fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+    fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let responses = component(records, DrivenRecorder::FLUX)?;
-        let Some(points) = points(&self.magnitudes, &responses) else {
+        let Some(points) = points(&self.parameters.magnitude.0, &responses) else {
             return Ok(Outcome::of(Estimate::unknown(
                 "cannot tell: too few samples of the flux for an error; run longer",
             )));
         };
         let curve = fit_response(&points, OrderChoice::default())?;
+        let transport = Transport::new(input, self.forcing);
         let mut conditions = driven_conditions(records, &curve)?;
-        if let [magnitude] = self.magnitudes[..] {
+        conditions.extend(transport.conditions());
+        if let [magnitude] = self.parameters.magnitude.0[..] {
             conditions.insert("magnitude".to_owned(), magnitude.into());
         }
         let header = vec!["magnitude [f]", "flux [v]", "standard_error [v]", "kinetic_temperature [e]"];
         let table = Some(Table::new(header, rows(&points, records)?));
         let response = points.iter().map(|p| Response { forcing: (p.x, 0.0), flux: (p.y, p.standard_error) }).collect();
-        Ok(Outcome { estimate: curve.coefficient, conditions, table, response })
+        Ok(Outcome { estimate: transport.of_slope(curve.coefficient), conditions, table, response })
     }
 }
 

@@ -1,17 +1,17 @@
-//! Mobility by stochastic Norton dynamics: the forcing that a constant flux needs (Wu & Shang, eqs 15, 16, 92).
+//! Transport coefficients by stochastic Norton dynamics: the forcing that a constant flux needs (Wu & Shang, eqs 15, 16, 92).
 
 use super::nemd::{component, driven_conditions, points, rows};
+use super::transport::Transport;
 use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteRecorder, RunKind};
-use mesoflux_analysis::{Estimate, OrderChoice, fit_inverse_response};
-use mesoflux_core::forcing::ForcingKind;
-use mesoflux_io::input::Input;
+use mesoflux_analysis::{Estimate, OrderChoice, fit_response};
+use mesoflux_core::forcing::ForcingChoice;
+use mesoflux_io::input::{Input, NortonInput};
 use mesoflux_io::results::Table;
 
 /// α from λ(r) = r/α + c r³ + …; with one flux α = r/⟨λ⟩, the error by the delta method.
 pub(super) struct Norton {
-    pub forcing: ForcingKind,
-    pub fluxes: Vec<f64>,
-    pub check_forcing_observable: bool,
+    pub forcing: ForcingChoice,
+    pub parameters: NortonInput,
 }
 
 impl Route for Norton {
@@ -20,28 +20,31 @@ impl Route for Norton {
     }
 
     fn runs(&self) -> Vec<RunKind> {
-        self.fluxes.iter().map(|&flux| RunKind::Norton { forcing: self.forcing, flux }).collect()
+        let (forcing, projection) = (self.forcing, self.parameters.projection);
+        self.parameters.flux.0.iter().map(|&flux| RunKind::Norton { forcing, flux, projection }).collect()
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
-        Ok(Box::new(DrivenRecorder::new(input.run.sample_interval, self.check_forcing_observable)?))
+        Ok(Box::new(DrivenRecorder::new(input.run.sample_interval, self.parameters.check_forcing_observable)?))
     }
 
-    fn estimate(&self, _input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
+    fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
         let responses = component(records, DrivenRecorder::FORCING)?;
-        let Some(points) = points(&self.fluxes, &responses) else {
+        let Some(points) = points(&self.parameters.flux.0, &responses) else {
             return Ok(Outcome::of(Estimate::unknown(
                 "cannot tell: too few samples of the forcing for an error; run longer",
             )));
         };
-        let curve = fit_inverse_response(&points, OrderChoice::default())?;
+        let curve = fit_response(&points, OrderChoice::default())?;
+        let transport = Transport::new(input, self.forcing);
         let mut conditions = driven_conditions(records, &curve)?;
-        if let [flux] = self.fluxes[..] {
+        conditions.extend(transport.conditions());
+        if let [flux] = self.parameters.flux.0[..] {
             conditions.insert("flux".to_owned(), flux.into());
         }
         let mut header = vec!["flux [v]", "forcing [f]", "standard_error [f]", "kinetic_temperature [e]"];
         let mut rows = rows(&points, records)?;
-        if self.check_forcing_observable {
+        if self.parameters.check_forcing_observable {
             header.extend(["forcing_observable [f]", "booked_minus_observable [f]", "standard_error [f]"]);
             for (row, record) in rows.iter_mut().zip(records) {
                 let series = record.series()?;
@@ -53,6 +56,11 @@ impl Route for Norton {
             }
         }
         let response = points.iter().map(|p| Response { forcing: (p.y, p.standard_error), flux: (p.x, 0.0) }).collect();
-        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some(Table::new(header, rows)), response })
+        Ok(Outcome {
+            estimate: transport.of_inverse_slope(curve.coefficient),
+            conditions,
+            table: Some(Table::new(header, rows)),
+            response,
+        })
     }
 }
