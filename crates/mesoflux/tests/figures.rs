@@ -41,13 +41,10 @@ const GREEN: &str = "\"#009E73\"";
 
 /// The corners of a path or polygon.
 fn corners(tag: &str) -> Vec<(f64, f64)> {
-    let list = tag.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
-    list.split_whitespace()
-        .map(|pair| {
-            let (x, y) = pair.split_once(',').unwrap();
-            (x.parse().unwrap(), y.parse().unwrap())
-        })
-        .collect()
+    let list = tag.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a list of points");
+    let pairs = list.split_whitespace().filter_map(|pair| pair.split_once(','));
+    let number = |text: &str| text.parse().expect("a number");
+    pairs.map(|(x, y)| (number(x), number(y))).collect()
 }
 
 /// Every tag closed in order, every value quoted, nothing but numbers where numbers belong.
@@ -64,7 +61,7 @@ fn assert_well_formed(svg: &str) {
         if let Some(name) = tag.strip_prefix('/') {
             assert_eq!(open.pop(), Some(name));
         } else if !tag.ends_with('/') {
-            open.push(tag.split(' ').next().unwrap());
+            open.push(tag.split(' ').next().unwrap_or(tag));
         }
     }
     assert!(open.is_empty() && rest.trim().is_empty(), "open at the end: {open:?}");

@@ -202,7 +202,7 @@ fn y_extent(panel: &Panel, x: &Scale) -> Extent {
             Layer::Histogram { edges, heights, .. } => {
                 let shown =
                     edges.windows(2).zip(heights).filter(|(edge, _)| x.contains(edge[0]) || x.contains(edge[1]));
-                shown.for_each(|(_, &height)| extent.from_zero(height));
+                shown.for_each(|(_, &height)| extent.standing_on_zero(height));
             }
         }
     }

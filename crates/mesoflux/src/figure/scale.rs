@@ -79,7 +79,7 @@ impl Extent {
     }
 
     /// Takes in a value that stands on zero, where the axis has one, and wants room on the far side.
-    pub fn from_zero(&mut self, value: f64) {
+    pub fn standing_on_zero(&mut self, value: f64) {
         if self.logarithmic {
             self.value(value);
         } else if shows(value, false) {
