@@ -115,7 +115,10 @@ mod tests {
         Profile { measurement: "mobility".to_owned(), curves }
     }
 
-    fn lines(profile: &Profile) -> Vec<(String, Vec<(f64, f64)>, bool)> {
+    /// Label, points, whether dashed.
+    type Line = (String, Vec<(f64, f64)>, bool);
+
+    fn lines(profile: &Profile) -> Vec<Line> {
         let layers = profile.figure("").panels.remove(0).layers;
         let line = |layer| match layer {
             Layer::Line { label, points, dashed, .. } => Some((label, points, dashed)),
