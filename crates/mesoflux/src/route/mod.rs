@@ -135,6 +135,10 @@ pub struct Outcome {
     pub table: Option<Table>,
     /// Points of the response curve, for a route that drives the fluid.
     pub response: Vec<Response>,
+    /// The response curve fitted to them as (forcing, flux), from end to end; empty where it is the straight line.
+    pub fitted: Vec<(f64, f64)>,
+    /// The slope of the response curve at vanishing forcing, flux over forcing, where the route knows it.
+    pub slope: Option<f64>,
 }
 
 /// A point of a response curve.
@@ -149,7 +153,8 @@ pub struct Response {
 impl Outcome {
     /// An estimate alone.
     pub fn of(estimate: Estimate) -> Self {
-        Self { estimate, conditions: Conditions::new(), table: None, response: Vec::new() }
+        let (response, fitted) = Default::default();
+        Self { estimate, conditions: Conditions::new(), table: None, response, fitted, slope: None }
     }
 }
 

@@ -48,7 +48,9 @@ impl Route for Nemd {
         let header = vec!["magnitude [f]", "flux [v]", "standard_error [v]", "kinetic_temperature [e]"];
         let table = Some(Table::new(header, rows(&points, records)?));
         let response = points.iter().map(|p| Response { forcing: (p.x, 0.0), flux: (p.y, p.standard_error) }).collect();
-        Ok(Outcome { estimate: transport.of_slope(curve.coefficient), conditions, table, response })
+        let fitted = fitted(&curve, &points);
+        let slope = curve.coefficient.value;
+        Ok(Outcome { estimate: transport.of_slope(curve.coefficient), conditions, table, response, fitted, slope })
     }
 }
 
@@ -60,6 +62,19 @@ pub(super) fn component(records: &[Record], index: usize) -> Result<Vec<Estimate
 /// Points of the response curve; `None` if one has no error.
 pub(super) fn points(strengths: &[f64], responses: &[Estimate]) -> Option<Vec<ResponsePoint>> {
     strengths.iter().zip(responses).map(|(&x, response)| ResponsePoint::new(x, response)).collect()
+}
+
+/// y = αx + βx³ + … over the x of the points and zero, as (x, y); empty for the straight line.
+pub(super) fn fitted(curve: &ResponseCurve, points: &[ResponsePoint]) -> Vec<(f64, f64)> {
+    const SEGMENTS: u32 = 60;
+    if curve.order() < 2 {
+        return Vec::new();
+    }
+    let low = points.iter().map(|point| point.x).fold(0.0, f64::min);
+    let high = points.iter().map(|point| point.x).fold(0.0, f64::max);
+    let response = |x: f64| x * curve.polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * x * x + coefficient);
+    let x = (0..=SEGMENTS).map(|k| low + (high - low) * f64::from(k) / f64::from(SEGMENTS));
+    x.map(|x| (x, response(x))).collect()
 }
 
 /// The rows of the response curve's table.
