@@ -57,12 +57,13 @@ impl Simulation {
     /// # Errors
     /// A driving that doesn't fit the integrator or the system.
     pub fn new(
-        mut system: System,
+        system: System,
         integrator: Integrator,
         mut driving: Option<Box<dyn Driving>>,
         noise: NoiseKey,
         time_step: f64,
     ) -> Result<Self, SetupError> {
+        let mut system = system.with_integrator(&integrator);
         if let Some(driving) = &mut driving {
             let Integrator::Splitting(schedule) = &integrator else {
                 return Err(SetupError::DrivingNeedsWord);

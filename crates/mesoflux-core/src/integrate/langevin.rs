@@ -1,0 +1,97 @@
+//! O: the Langevin thermostat, exact particle by particle.
+
+use super::{Change, FluxChange, Letter, Stroke};
+use crate::elementary::exp_minus_one;
+use crate::lanes::{InstructionSet, Kernel, Lanes, Row, WIDTH, Words};
+use crate::noise::{Draw, Purpose};
+use crate::system::{SimulationError, System};
+use crate::vector::dot;
+
+/// dp = −γ M⁻¹p dt + √(2γkT) dW for every particle alone, solved exactly over the time t:
+/// p ← e^{−γt/m} p + √(m kT (1 − e^{−2γt/m})) N(0, 1) (Blassel & Stoltz, J. Stat. Phys. 191, 17 (2024)).
+///
+/// It leaves the Maxwell distribution invariant whatever the time step. Drag and noise come from a bath at rest: the total
+/// momentum decays and fluctuates, and hydrodynamics is screened.
+#[derive(Debug, Clone, Copy)]
+pub struct Langevin {
+    /// kT.
+    pub temperature: f64,
+    /// γ, force over velocity.
+    pub friction: f64,
+}
+
+impl Letter for Langevin {
+    fn symbol(&self) -> char {
+        'O'
+    }
+
+    fn apply(&self, system: &mut System, stroke: &Stroke) -> Result<Change, SimulationError> {
+        let (particles, impulse) = (&system.particles, self.friction * stroke.time);
+        let expected = stroke.response.map_or(0.0, |response| {
+            system.workers.sum(particles.count(), |k| {
+                let change = exp_minus_one(-impulse * particles.inverse_mass[k]);
+                change * dot(response[k].vector(), particles.momentum[k])
+            })
+        });
+        let (temperature, draw) = (self.temperature, stroke.noise.draw(Purpose::Particle, system.step, stroke.place));
+        let multiplier = system.change_velocities(stroke.constraint.as_ref(), |particles, offset, velocities| {
+            let (ids, inverse_masses) = (&particles.id[offset..], &particles.inverse_mass[offset..]);
+            InstructionSet::detect().run(Update { temperature, impulse, draw, ids, inverse_masses, velocities });
+        });
+        Ok(Change { flux: FluxChange::Expected(expected), multiplier })
+    }
+
+    fn conserves_momentum(&self) -> bool {
+        false
+    }
+
+    fn dissipative_flux(&self, system: &mut System, response: &[Row]) -> f64 {
+        let particles = &system.particles;
+        let sum = system.workers.sum(particles.count(), |k| dot(response[k].vector(), particles.velocity(k)));
+        -self.friction * sum
+    }
+}
+
+/// The exact update of velocities, eight at a time.
+struct Update<'a> {
+    temperature: f64,
+    /// γt.
+    impulse: f64,
+    draw: Draw,
+    ids: &'a [u64],
+    inverse_masses: &'a [f64],
+    velocities: &'a mut [Row],
+}
+
+impl Kernel for Update<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (number, velocities) in self.velocities.chunks_mut(WIDTH).enumerate() {
+            let (first, count) = (number * WIDTH, velocities.len());
+            let (mut ids, mut inverse_masses) = ([0.0; WIDTH], [1.0; WIDTH]);
+            for k in 0..count {
+                ids[k] = f64::from_bits(self.ids[first + k]);
+                inverse_masses[k] = self.inverse_masses[first + k];
+            }
+            let (ids, inverse_mass) = (L::load(&ids).to_bits(), L::load(&inverse_masses));
+            let exponent = L::splat(-self.impulse) * inverse_mass;
+            let change = exp_minus_one(exponent);
+            let lost = -exp_minus_one(exponent + exponent);
+            let deviation = (L::splat(self.temperature) * inverse_mass * lost).sqrt();
+            for axis in 0..3 {
+                let mut component = [0.0; WIDTH];
+                for k in 0..count {
+                    component[k] = velocities[k].0[axis];
+                }
+                let velocity = L::load(&component);
+                let normal: L = self.draw.normal(ids, L::Bits::splat(axis as u64));
+                deviation.mul_add(normal, velocity.mul_add(change, velocity)).store(&mut component);
+                for k in 0..count {
+                    velocities[k].0[axis] = component[k];
+                }
+            }
+        }
+    }
+}
