@@ -157,6 +157,9 @@ impl Simulation {
 
     /// λ(q, p) at the present state, where the driving holds a flux.
     pub fn forcing_observable(&mut self) -> Option<f64> {
-        self.driving.as_mut().and_then(|driving| driving.forcing_observable(&mut self.system))
+        match (&mut self.driving, &self.integrator) {
+            (Some(driving), Integrator::Splitting(schedule)) => driving.forcing_observable(&mut self.system, schedule),
+            _ => None,
+        }
     }
 }

@@ -2,8 +2,7 @@
 
 use super::{DrivenStep, Driving};
 use crate::forcing::{Forcing, ForcingError, ForcingField};
-use crate::integrate::{Change, Constraint, FluxChange};
-use crate::pair::dissipative_flux;
+use crate::integrate::{Change, Constraint, FluxChange, Schedule};
 use crate::system::System;
 use crate::vector::{add_scaled, dot};
 
@@ -81,7 +80,7 @@ impl Driving for ConstantFlux {
         true
     }
 
-    fn forcing_observable(&mut self, system: &mut System) -> Option<f64> {
+    fn forcing_observable(&mut self, system: &mut System, schedule: &Schedule) -> Option<f64> {
         self.field.update(&system.particles, system.layout(), true, system.workers);
         system.update_forces();
         let field = &self.field;
@@ -90,7 +89,7 @@ impl Driving for ConstantFlux {
         let conservative =
             workers.sum(particles.count(), |k| dot(field.response[k].vector(), system.forces()[k].vector()));
         let drift = workers.sum(particles.count(), |k| field.forcing().response_drift(particles, k));
-        let dissipative = dissipative_flux(system.list(), &system.interactions, particles, &field.response, workers);
+        let dissipative = schedule.dissipative_flux(system, &field.response);
         Some(-(conservative + dissipative + drift) / field.control)
     }
 }
