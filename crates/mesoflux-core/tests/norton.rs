@@ -97,6 +97,12 @@ fn flux_of_color_drift_is_held_at_every_step() {
 }
 
 #[test]
+fn flux_is_held_with_the_langevin_thermostat() {
+    holds_its_flux(&two_masses().with_langevin(2.0), ColorDrift);
+    holds_its_flux(&two_masses().with_langevin(2.0), wave());
+}
+
+#[test]
 fn flux_of_two_particle_drift_is_held_at_every_step() {
     holds_its_flux(&soft_fluid(), TwoParticleDrift);
     holds_its_flux(&two_masses(), TwoParticleDrift);
@@ -185,6 +191,16 @@ fn booked_forcing_of_two_particle_drift_is_that_of_the_equation() {
 #[test]
 fn booked_forcing_of_a_wave_is_that_of_the_equation() {
     check_scores(|seed| ["ABOBA", "OBABO"].map(|word| score_of_booking(&two_masses(), wave(), word, seed)).to_vec());
+}
+
+/// The friction between the pairs of this fluid acts with no letter, and must not be booked.
+#[test]
+fn booked_forcing_with_the_langevin_thermostat_is_that_of_the_equation() {
+    let fluid = two_masses().with_langevin(2.0);
+    check_scores(|seed| {
+        let scores = ["ABOBA", "OBABO"].map(|word| score_of_booking(&fluid, wave(), word, seed));
+        scores.into_iter().chain([score_of_booking(&fluid, ColorDrift, "BAOAB", seed)]).collect()
+    });
 }
 
 #[test]

@@ -95,3 +95,44 @@ impl Kernel for Update<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::NoiseKey;
+
+    /// The naive update of every particle by itself, to the bit, for numbers of particles that fill no block.
+    #[test]
+    fn every_instruction_set_gives_the_bits_of_the_equation() {
+        let (temperature, impulse) = (0.7, 0.3);
+        let draw = NoiseKey::new(&[4]).draw(Purpose::Particle, 17, 2);
+        for count in [1, 8, 29] {
+            let ids: Vec<u64> = (0..count).map(|k| 1_000_003 * k % 977).collect();
+            let inverse_masses: Vec<f64> = (0..count).map(|k| 1.0 / (1.0 + (k % 3) as f64)).collect();
+            let start: Vec<Row> =
+                (0..count).map(|k| Row::new([k as f64, -0.1, 0.3 * k as f64].map(f64::sin), 0.0)).collect();
+            let mut expected = start.clone();
+            for (k, row) in expected.iter_mut().enumerate() {
+                let exponent = -impulse * inverse_masses[k];
+                let variance = temperature * inverse_masses[k] * -exp_minus_one(2.0 * exponent);
+                for axis in 0..3 {
+                    let (velocity, normal) = (row.0[axis], draw.gaussian(ids[k], axis as u64));
+                    let decayed = velocity.mul_add(exp_minus_one(exponent), velocity);
+                    row.0[axis] = variance.sqrt().mul_add(normal, decayed);
+                }
+            }
+            for set in InstructionSet::available() {
+                let mut velocities = start.clone();
+                set.run(Update {
+                    temperature,
+                    impulse,
+                    draw,
+                    ids: &ids,
+                    inverse_masses: &inverse_masses,
+                    velocities: &mut velocities,
+                });
+                assert_eq!(velocities, expected, "{set:?}, {count} particles");
+            }
+        }
+    }
+}
