@@ -6,21 +6,30 @@ use crate::lanes::{InstructionSet, Kernel, Lanes, Row, WIDTH, Words};
 use crate::noise::{Draw, Purpose};
 use crate::system::{SimulationError, System};
 use crate::vector::dot;
+use serde::{Deserialize, Serialize};
+
+/// The drag of a bath at rest on every particle: −γ M⁻¹p, with the noise that belongs to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Langevin {
+    /// γ: force over velocity.
+    pub friction: f64,
+}
 
 /// dp = −γ M⁻¹p dt + √(2γkT) dW for every particle alone, solved exactly over the time t:
 /// p ← e^{−γt/m} p + √(m kT (1 − e^{−2γt/m})) N(0, 1) (Blassel & Stoltz, J. Stat. Phys. 191, 17 (2024)).
 ///
-/// It leaves the Maxwell distribution invariant whatever the time step. Drag and noise come from a bath at rest: the total
-/// momentum decays and fluctuates, and hydrodynamics is screened.
+/// It leaves the Maxwell distribution invariant whatever the time step. The total momentum decays and fluctuates: hydrodynamics
+/// is screened.
 #[derive(Debug, Clone, Copy)]
-pub struct Langevin {
+pub struct ParticleOrnsteinUhlenbeck {
     /// kT.
     pub temperature: f64,
-    /// γ, force over velocity.
+    /// γ.
     pub friction: f64,
 }
 
-impl Letter for Langevin {
+impl Letter for ParticleOrnsteinUhlenbeck {
     fn symbol(&self) -> char {
         'O'
     }

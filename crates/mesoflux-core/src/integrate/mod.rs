@@ -9,7 +9,7 @@ mod velocity_verlet;
 
 pub use drift::Drift;
 pub use kick::Kick;
-pub use langevin::Langevin;
+pub use langevin::{Langevin, ParticleOrnsteinUhlenbeck};
 pub use pair_ornstein_uhlenbeck::PairOrnsteinUhlenbeck;
 pub use splitting::{Schedule, WordError};
 pub use velocity_verlet::VelocityVerlet;
@@ -93,15 +93,12 @@ pub trait Letter: std::fmt::Debug + Send + Sync {
 
 /// Which thermostat the letter O stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[serde(rename_all = "snake_case")]
 pub enum Thermostat {
     /// The exact update of each pair in turn.
     PairOrnsteinUhlenbeck,
-    /// Drag and noise on each particle alone, from a bath at rest: momentum is not conserved.
-    Langevin {
-        /// γ: force over velocity.
-        friction: f64,
-    },
+    /// The exact update of each particle by drag and noise of a bath: momentum is not conserved.
+    Langevin(Langevin),
     /// None: constant energy.
     None,
 }

@@ -1,6 +1,6 @@
 //! Words: which letters act in which order, each for its share of the time step.
 
-use super::{Drift, Kick, Langevin, Letter, PairOrnsteinUhlenbeck, SweepOrder, Thermostat};
+use super::{Drift, Kick, Langevin, Letter, PairOrnsteinUhlenbeck, ParticleOrnsteinUhlenbeck, SweepOrder, Thermostat};
 use crate::lanes::Row;
 use crate::system::System;
 
@@ -42,7 +42,9 @@ impl Schedule {
                 ('A', _) => Box::new(Drift),
                 ('B', _) => Box::new(Kick),
                 ('O', Thermostat::PairOrnsteinUhlenbeck) => Box::new(PairOrnsteinUhlenbeck { temperature }),
-                ('O', Thermostat::Langevin { friction }) => Box::new(Langevin { temperature, friction }),
+                ('O', Thermostat::Langevin(Langevin { friction })) => {
+                    Box::new(ParticleOrnsteinUhlenbeck { temperature, friction })
+                }
                 ('O', Thermostat::None) => return Err(WordError::NoThermostat),
                 _ => return Err(WordError::UnknownLetter(symbol)),
             })
@@ -110,7 +112,10 @@ mod tests {
         assert_eq!(refused("", None), Some(WordError::MissingLetter('A')));
         assert_eq!(refused("BAB", PairOrnsteinUhlenbeck), Some(WordError::MissingThermostat));
         assert_eq!(refused("ABOBA", None), Some(WordError::NoThermostat));
-        assert_eq!(refused("BAB", Thermostat::Langevin { friction: 1.0 }), Some(WordError::MissingThermostat));
+        assert_eq!(
+            refused("BAB", Thermostat::Langevin(Langevin { friction: 1.0 })),
+            Some(WordError::MissingThermostat)
+        );
         assert!(schedule("BAB", None).is_ok());
     }
 }

@@ -10,7 +10,7 @@ use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::Driving;
 use mesoflux_core::friction::{Friction, linear::Linear};
-use mesoflux_core::integrate::{Integrator, Schedule, SweepOrder, Thermostat, VelocityVerlet};
+use mesoflux_core::integrate::{Integrator, Langevin, Schedule, SweepOrder, Thermostat, VelocityVerlet};
 use mesoflux_core::interactions::{Interactions, PairTable};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::potential::Potential;
@@ -77,7 +77,7 @@ impl Fluid {
 
     /// The same fluid with the Langevin thermostat of a drag γ; the friction of its pairs then does nothing.
     pub fn with_langevin(mut self, friction: f64) -> Self {
-        self.thermostat = Thermostat::Langevin { friction };
+        self.thermostat = Thermostat::Langevin(Langevin { friction });
         self
     }
 

@@ -57,7 +57,7 @@ impl Input {
     /// Whether something holds the temperature.
     pub fn is_thermostatted(&self) -> bool {
         match self.dynamics.thermostat {
-            Thermostat::Langevin { .. } => true,
+            Thermostat::Langevin(_) => true,
             Thermostat::PairOrnsteinUhlenbeck => self.has_friction(),
             Thermostat::None => self.dynamics.velocity_verlet.is_some() && self.has_friction(),
         }

@@ -1,7 +1,7 @@
 //! What an input must fulfil beyond its form; each fault with the path, the value and the requirement.
 
 use super::Input;
-use mesoflux_core::integrate::Thermostat;
+use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::potential::Requirement;
 use std::fmt::Display;
 use std::ops::Range;
@@ -101,7 +101,7 @@ impl Input {
         let dynamics = &self.dynamics;
         number("dynamics.temperature", dynamics.temperature, Requirement::Positive)?;
         number("dynamics.time_step", dynamics.time_step, Requirement::Positive)?;
-        if let Thermostat::Langevin { friction } = dynamics.thermostat {
+        if let Thermostat::Langevin(Langevin { friction }) = dynamics.thermostat {
             number("dynamics.thermostat.langevin.friction", friction, Requirement::Positive)?;
         }
         match (&dynamics.velocity_verlet, &dynamics.word) {
@@ -109,7 +109,7 @@ impl Input {
                 let requirement = "must be left out where velocity_verlet is given";
                 return Err(Invalid::new("dynamics.word", format!("{word:?}"), requirement));
             }
-            (Some(_), None) if matches!(dynamics.thermostat, Thermostat::Langevin { .. }) => {
+            (Some(_), None) if matches!(dynamics.thermostat, Thermostat::Langevin(_)) => {
                 let requirement =
                     "must be left out where velocity_verlet is given: friction and noise of pairs are its thermostat";
                 return Err(Invalid::new("dynamics.thermostat.langevin", "", requirement));
@@ -153,7 +153,7 @@ impl Input {
     fn validate_unused_friction(&self) -> Result<(), Invalid> {
         let requirement = match self.dynamics.thermostat {
             Thermostat::PairOrnsteinUhlenbeck => return Ok(()),
-            Thermostat::Langevin { .. } => {
+            Thermostat::Langevin(_) => {
                 "must be left out with dynamics.thermostat.langevin, whose drag is on each particle alone: no letter would use it"
             }
             Thermostat::None => "must be left out with dynamics.thermostat = \"none\": no letter would use it",

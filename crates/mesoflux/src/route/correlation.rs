@@ -2,7 +2,7 @@
 
 use super::{Record, RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, Blocking, Integral, MultipleTau};
-use mesoflux_core::integrate::Thermostat;
+use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::Input;
 use mesoflux_io::results::Conditions;
@@ -170,7 +170,7 @@ pub(super) fn interval(input: &Input, given: Option<u64>) -> u64 {
         2.0 * 4.0 * PI * density / (3.0 * mass) * integral
     };
     let drag = match input.dynamics.thermostat {
-        Thermostat::Langevin { friction } => friction / mass,
+        Thermostat::Langevin(Langevin { friction }) => friction / mass,
         Thermostat::PairOrnsteinUhlenbeck | Thermostat::None => 0.0,
     };
     let fastest = frictions.clone().map(rate).fold(drag, f64::max);

@@ -2,7 +2,7 @@
 
 use super::{Outcome, Record, Route, RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, MeanSquaredDisplacement};
-use mesoflux_core::integrate::Thermostat;
+use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::vector::Vector;
 use mesoflux_io::input::{Input, MeanSquaredDisplacementInput};
@@ -53,7 +53,7 @@ impl Route for MeanSquaredDisplacementRoute {
         let estimate = if self.mobility {
             let factor = particles / (particles - 1.0) / input.dynamics.temperature;
             let mut mobility = diffusion.estimate.scaled(factor);
-            if let Thermostat::Langevin { friction } = input.dynamics.thermostat {
+            if let Thermostat::Langevin(Langevin { friction }) = input.dynamics.thermostat {
                 mobility.value = mobility.value.map(|value| value - 1.0 / (friction * (particles - 1.0)));
             }
             mobility
