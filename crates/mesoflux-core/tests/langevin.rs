@@ -213,21 +213,22 @@ fn harmonic_oscillators_have_the_known_covariances_of_each_word() {
     });
 }
 
-/// 3N degrees of freedom: with 3(N − 1) the temperature would be 1.6 % too high.
+/// 3N degrees of freedom: with 3(N − 1) the temperature would be 3.8 % too high.
 #[test]
 fn a_liquid_has_the_temperature_of_its_bath() {
     let fluid = Fluid {
-        potential: Some(lennard_jones(1.6, Truncation::ForceShifted)),
-        friction: friction(0.0, 1.6),
-        ..Fluid::lennard_jones(64)
+        potential: Some(lennard_jones(1.25, Truncation::ForceShifted)),
+        friction: friction(0.0, 1.25),
+        density: 0.8,
+        ..Fluid::lennard_jones(27)
     };
-    let fluid = fluid.with_species(&[(32, 1.0), (32, 2.0)]).with_langevin(10.0);
+    let fluid = fluid.with_species(&[(13, 1.0), (14, 2.0)]).with_langevin(10.0);
     check_scores(|seed| {
         let series = replicas(2, |replica| {
             let mut simulation = fluid.simulation("OBABO", None, NoiseKey::new(&[seed, replica]), 0.004);
             advance(&mut simulation, 5.0);
             let mut series = Blocking::new(1).unwrap();
-            for _ in 0..40_000 {
+            for _ in 0..20_000 {
                 simulation.step().unwrap();
                 series.record(&[simulation.system.kinetic_temperature()]).unwrap();
             }
@@ -236,7 +237,7 @@ fn a_liquid_has_the_temperature_of_its_bath() {
         let estimates = series.iter().map(Blocking::estimate);
         estimates
             .map(|estimate| {
-                assert!(estimate.standard_error.unwrap() < 0.004, "the test can't tell: {estimate:?}");
+                assert!(estimate.standard_error.unwrap() < 0.009, "the test can't tell: {estimate:?}");
                 estimate.z_score_against(1.0, 0.0).unwrap()
             })
             .collect()

@@ -198,8 +198,7 @@ fn booked_forcing_of_a_wave_is_that_of_the_equation() {
 fn booked_forcing_with_the_langevin_thermostat_is_that_of_the_equation() {
     let fluid = two_masses().with_langevin(2.0);
     check_scores(|seed| {
-        let scores = ["ABOBA", "OBABO"].map(|word| score_of_booking(&fluid, wave(), word, seed));
-        scores.into_iter().chain([score_of_booking(&fluid, ColorDrift, "BAOAB", seed)]).collect()
+        vec![score_of_booking(&fluid, wave(), "ABOBA", seed), score_of_booking(&fluid, ColorDrift, "OBABO", seed)]
     });
 }
 
