@@ -54,6 +54,8 @@ pub enum Purpose {
     Start = 1,
     /// A letter's or integrator's pair noise.
     Pair = 2,
+    /// A letter's noise on single particles.
+    Particle = 3,
 }
 
 /// The identity of one run among all runs of a job: seed, sweep point, route, point of the route, replica.
@@ -106,7 +108,13 @@ impl Draw {
     /// A normal deviate, mean zero, variance one, for the ordered pair (a, b): Box and Muller's.
     #[inline(always)]
     pub fn gaussian(self, a: u64, b: u64) -> f64 {
-        let [first, second] = self.uniforms::<f64>(a, b);
+        self.normal(a, b)
+    }
+
+    /// The normal deviates of one ordered pair of words or of several.
+    #[inline(always)]
+    pub(crate) fn normal<R: Real>(self, a: R::Bits, b: R::Bits) -> R {
+        let [first, second] = self.uniforms::<R>(a, b);
         squared_radius(first).sqrt() * projection(second)
     }
 

@@ -59,12 +59,13 @@ impl Simulation {
     /// # Errors
     /// A driving that doesn't fit the integrator or the system.
     pub fn new(
-        mut system: System,
+        system: System,
         integrator: Integrator,
         mut driving: Option<Box<dyn Driving>>,
         noise: NoiseKey,
         time_step: f64,
     ) -> Result<Self, SetupError> {
+        let mut system = system.with_integrator(&integrator);
         if let Some(driving) = &mut driving {
             let Integrator::Splitting(schedule) = &integrator else {
                 return Err(SetupError::DrivingNeedsWord);
@@ -169,6 +170,9 @@ impl Simulation {
 
     /// λ(q, p) at the present state, where the driving holds a flux.
     pub fn forcing_observable(&mut self) -> Option<f64> {
-        self.driving.as_mut().and_then(|driving| driving.forcing_observable(&mut self.system))
+        match (&mut self.driving, &self.integrator) {
+            (Some(driving), Integrator::Splitting(schedule)) => driving.forcing_observable(&mut self.system, schedule),
+            _ => None,
+        }
     }
 }

@@ -4,7 +4,7 @@ use crate::bond::{Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::field::Fields;
-use crate::integrate::Constraint;
+use crate::integrate::{Constraint, Integrator};
 use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
 use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
@@ -88,6 +88,8 @@ pub struct System {
     pub step: u64,
     topology: Topology,
     fields: Fields,
+    /// Whether the integrator leaves the total momentum as it was.
+    conserving: bool,
     list: NeighborList,
     force: Vec<Row>,
     /// Room for velocities, for those who need them by row.
@@ -122,6 +124,7 @@ impl System {
             step: 0,
             topology: Topology::default(),
             fields: Fields::default(),
+            conserving: true,
             list,
             force: Vec::new(),
             velocity: Vec::new(),
@@ -154,9 +157,21 @@ impl System {
         self
     }
 
+    /// The system as an integrator moves it: only that knows whether the thermostat conserves momentum.
+    #[must_use]
+    pub fn with_integrator(mut self, integrator: &Integrator) -> Self {
+        self.conserving = integrator.conserves_momentum();
+        self
+    }
+
     /// The external fields.
     pub fn fields(&self) -> &Fields {
         &self.fields
+    }
+
+    /// Along which axes the total momentum is conserved, by fields and integrator.
+    pub fn conserved_momentum(&self) -> [bool; 3] {
+        self.fields.conserved().map(|conserved| conserved && self.conserving)
     }
 
     /// The bonds.
@@ -286,11 +301,28 @@ impl System {
             booked.dissipative += sums.dissipative;
             booked.random += sums.random;
         }
-        let multiplier = self.set_momenta(constraint, |system, k, _| {
+        (sums.flux, self.set_momenta_by_velocities(constraint))
+    }
+
+    /// Lets `change` act on the velocities, chunk by chunk from an offset on, and gives every particle the momentum that comes of
+    /// it, on the constraint if there is one; returns ξ.
+    pub(crate) fn change_velocities(
+        &mut self,
+        constraint: Option<&Constraint>,
+        change: impl Fn(&Particles, usize, &mut [Row]) + Sync,
+    ) -> Option<f64> {
+        self.update_velocities();
+        let Self { particles, velocity, workers, .. } = self;
+        workers.for_each_chunk(velocity, |offset, velocities| change(particles, offset, velocities));
+        self.set_momenta_by_velocities(constraint)
+    }
+
+    /// Gives every particle the momentum of its row of velocities, on the constraint if there is one; returns ξ.
+    fn set_momenta_by_velocities(&mut self, constraint: Option<&Constraint>) -> Option<f64> {
+        self.set_momenta(constraint, |system, k, _| {
             let (velocity, inverse_mass) = (system.velocity[k].vector(), system.particles.inverse_mass[k]);
             velocity.map(|v| v / inverse_mass)
-        });
-        (sums.flux, multiplier)
+        })
     }
 
     /// Brings the rows of velocities up to date with the momenta.
@@ -384,9 +416,9 @@ impl System {
     }
 
     /// kT as the momenta have it: Σ p²/m over 3(N − 1) degrees of freedom, the total momentum being fixed; one more for each
-    /// axis along which a field pushes.
+    /// axis along which it is not conserved.
     pub fn kinetic_temperature(&self) -> f64 {
-        let fixed = self.fields.conserved().into_iter().filter(|&conserved| conserved).count();
+        let fixed = self.conserved_momentum().into_iter().filter(|&conserved| conserved).count();
         let degrees = 3.0 * self.particles.count() as f64 - fixed as f64;
         self.particles.twice_kinetic_energy(self.workers) / degrees
     }

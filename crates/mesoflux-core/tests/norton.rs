@@ -92,6 +92,12 @@ fn flux_of_shear_is_held_at_every_step() {
     }
 }
 
+#[test]
+fn flux_is_held_with_the_langevin_thermostat() {
+    holds_its_flux(&two_masses().with_langevin(2.0), COLOR_DRIFT, -1.3);
+    holds_its_flux(&two_masses().with_langevin(2.0), waves(ForcingKind::Sinusoidal, false), -0.1);
+}
+
 /// Booked forcing minus λ(q, p) at the ends of the step, averaged over runs at a step; and the mean of λ itself.
 fn booked_minus_observed(fluid: &Fluid, dynamics: &Dynamics, dt: f64, seed: u64) -> Blocking {
     let parts = replicas(2, |replica| {
@@ -168,6 +174,18 @@ fn booked_forcing_of_a_wave_is_that_of_the_equation() {
     check_scores(|seed| {
         let forcing = waves(ForcingKind::PiecewiseLinear, true);
         scores_of_booking(&two_masses(), forcing, 0.14, &["ABOBA", "OBABO"], seed)
+    });
+}
+
+/// The friction between the pairs of this fluid acts with no letter, and must not be booked.
+#[test]
+fn booked_forcing_with_the_langevin_thermostat_is_that_of_the_equation() {
+    let fluid = two_masses().with_langevin(2.0);
+    check_scores(|seed| {
+        let wave = waves(ForcingKind::Sinusoidal, false);
+        let mut scores = scores_of_booking(&fluid, wave, 0.14, &["ABOBA"], seed);
+        scores.extend(scores_of_booking(&fluid, COLOR_DRIFT, 2.0, &["OBABO"], seed));
+        scores
     });
 }
 

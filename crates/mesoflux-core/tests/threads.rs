@@ -61,3 +61,9 @@ fn lennard_jones_liquid_of_two_masses() {
     let fluid = Fluid::lennard_jones(20_000).with_species(&[(12_000, 1.0), (8_000, 2.0)]);
     same_bits_on_any_number_of_threads(&Fluid { skin: 0.1, ..fluid }, 12, 0.01);
 }
+
+#[test]
+fn langevin_thermostat_with_two_masses() {
+    let fluid = Fluid::groot_warren(20_000).with_species(&[(12_000, 1.0), (8_000, 2.0)]).with_langevin(2.0);
+    same_bits_on_any_number_of_threads(&fluid, 20, 0.04);
+}

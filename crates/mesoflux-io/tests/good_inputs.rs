@@ -89,6 +89,7 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
             },
         ),
         ("constant_energy.toml", Derived { skin: (0.14f64 * 9.0 * 0.002 * 2.5).sqrt(), word: Some("BAB"), ..one }),
+        ("langevin.toml", Derived { sides: cube(500.0 / 0.6), density: 0.6, word: Some("BAOAB"), ..one }),
         ("polymer.toml", Derived { counts: &[30, 70, 500], masses: &[1.0, 1.5, 1.0], ..soft(600, &[], cube(200.0)) }),
         ("from_lammps_data.toml", Derived { masses: &[2.5, 1.0], ..soft(66, &[6, 60], [4.0; 3]) }),
         ("from_extended_xyz.toml", soft(100, &[100], [3.2; 3])),
@@ -260,7 +261,7 @@ fn probes(prefix: &str, table: &toml::Table, found: &mut Vec<String>) {
     let translation = prefix.starts_with("system.start.") && prefix.matches('.').count() == 4;
     let open = named || translation || prefix == "sweep." || prefix.ends_with("parameters.");
     // A law is chosen by its only key.
-    let choice = ["potential.", "friction.", "start."].iter().any(|end| prefix.ends_with(end));
+    let choice = ["potential.", "friction.", "thermostat.", "start."].iter().any(|end| prefix.ends_with(end));
     if !open && !choice {
         found.push(prefix.to_owned());
     }

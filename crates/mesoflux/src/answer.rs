@@ -154,7 +154,7 @@ fn run_record(plan: &Plan, finished: &Finished) -> RunRecord {
         particles: point.input.particles(),
         steps: finished.steps.saturating_sub(point.input.steps(point.input.run.equilibration_time)),
         temperature: finished.temperature,
-        remarks: finished.remarks.iter().cloned().chain(point.input.remark_on_fields()).collect(),
+        remarks: finished.remarks.iter().cloned().chain(point.input.remark_on_momentum()).collect(),
     }
 }
 

@@ -8,6 +8,7 @@ use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
 use mesoflux_core::forcing::ForcingChoice;
+use mesoflux_core::integrate::Integrator;
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::simulation::Simulation;
 use mesoflux_core::start::{
@@ -32,7 +33,8 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
     let identity = [vec![input.run.seed, task.point as u64], kind.identity(), vec![task.replica]].concat();
     let noise = NoiseKey::new(&identity);
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
-    let system = start(input, noise, workers, place)?;
+    let integrator = input.integrator().map_err(|error| refused(error.to_string()))?;
+    let system = start(input, &integrator, noise, workers, place)?;
     let field = |forcing: ForcingChoice| {
         forcing.field(system.particles.count(), system.region.sides()).map_err(|error| refused(error.to_string()))
     };
@@ -43,7 +45,6 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
             Some(Box::new(ConstantFlux::new(field(forcing)?, flux, projection)))
         }
     };
-    let integrator = input.integrator().map_err(|error| refused(error.to_string()))?;
     let mut simulation = Simulation::new(system, integrator, driving, noise, input.dynamics.time_step)
         .map_err(|error| refused(error.to_string()))?;
     simulation.book_stress(point.users(task.run).any(|user| point.measurements[user].route.books_stress()));
@@ -51,7 +52,13 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
 }
 
 /// The system of an input: particles placed and bonded, overlaps relaxed, momenta drawn.
-fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Result<System, JobError> {
+fn start(
+    input: &Input,
+    integrator: &Integrator,
+    noise: NoiseKey,
+    workers: Workers,
+    place: &str,
+) -> Result<System, JobError> {
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let region = input.region().map_err(|error| refused(error.to_string()))?;
     let temperature = input.dynamics.temperature;
@@ -66,7 +73,8 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
     let mut system = System::new(particles, region, input.interactions(), input.skin(), workers)
         .map_err(|error| refused(error.to_string()))?
         .with_bonds(topology.map_err(|error| refused(error.to_string()))?)
-        .with_fields(input.fields(&region).map_err(|error| refused(error.to_string()))?);
+        .with_fields(input.fields(&region).map_err(|error| refused(error.to_string()))?)
+        .with_integrator(integrator);
     let unfit = |source| JobError::Simulation { place: format!("{place}, start"), source };
     if relax {
         relax_overlaps(&mut system, temperature).map_err(unfit)?;
@@ -77,7 +85,7 @@ fn start(input: &Input, noise: NoiseKey, workers: Workers, place: &str) -> Resul
     if drawn {
         draw_free_momenta(&mut system.particles, temperature, noise);
     }
-    let conserved = system.fields().conserved();
+    let conserved = system.conserved_momentum();
     remove_drift(&mut system.particles, conserved);
     Ok(system)
 }

@@ -29,7 +29,8 @@ quantity = "potential_energy"
 "#;
 
 const SPRING: &str = "[bond.spring]\npotential.harmonic = { stiffness = 8.0, length = 0.5 }\n";
-const FRICTION: &str = "[pair.all]\nfriction.linear = { coefficient = 4.5, cutoff = 1.0 }\n";
+/// A law that does nothing.
+const LAW: &str = "[pair.all]\npotential.soft = { repulsion = 0.0, cutoff = 1.0 }\n";
 
 fn value(results: &Value, quantity: &str) -> f64 {
     let estimate = list(&results["estimates"]).iter().find(|estimate| estimate["quantity"] == quantity).unwrap();
@@ -59,7 +60,7 @@ fn dumbbells(drift: f64) -> String {
 fn dumbbell_input(keys: &str) -> String {
     format!(
         "[system]\nstart.lammps_data = {{ path = \"data/dumbbells.data\", species = {{ 1 = \"light\", 2 = \"heavy\" }}{keys} }}\n\
-         [species.light]\n[species.heavy]\nmass = 3.0\n{SPRING}{FRICTION}{STILL}"
+         [species.light]\n[species.heavy]\nmass = 3.0\n{SPRING}{LAW}{STILL}"
     )
 }
 
@@ -115,7 +116,7 @@ fn a_checkpoint_is_a_start_with_its_bonds_and_momenta() {
         "again.toml",
         format!(
             "[system]\nstart.checkpoint = {{ path = \"{checkpoint}\" }}\n[species.light]\n[species.heavy]\nmass = 3.0\n\
-             {SPRING}{FRICTION}{STILL}"
+             {SPRING}{LAW}{STILL}"
         ),
     );
     let again = folder.mesoflux("run again.toml --quiet --out again");
@@ -137,7 +138,7 @@ fn the_last_frame_of_an_extended_xyz_file_is_the_start() {
     let soft = "potential.soft = { repulsion = 10.0, cutoff = 1.0 }";
     let folder = Folder::with(&format!(
         "[system]\nstart.extended_xyz = {{ path = \"drop.xyz\" }}\n[species.A]\n[species.B]\n\
-         [pair.all]\n{soft}\nfriction.linear = {{ coefficient = 4.5, cutoff = 1.0 }}\n{STILL}"
+         [pair.all]\n{soft}\n{STILL}"
     ));
     folder.write("drop.xyz", frame(0.0, 9.0) + &frame(0.4, 0.2));
     let results = folder.run_for_results("");
@@ -151,7 +152,7 @@ fn overlaps_at_the_start_are_refused_or_relaxed() {
     let xyz = "3\nLattice=\"6 0 0 0 6 0 0 0 6\" Properties=species:S:1:pos:R:3\nA 1 1 1\nA 1 1 1.2\nA 3 3 3\n";
     let folder = Folder::with(&format!(
         "[system]\nstart.extended_xyz = {{ path = \"drop.xyz\" }}\n\
-         [pair.all]\npotential.wca = {{ epsilon = 1.0, sigma = 1.0 }}\nfriction.linear = {{ coefficient = 4.5, cutoff = 1.0 }}\n{STILL}"
+         [pair.all]\npotential.wca = {{ epsilon = 1.0, sigma = 1.0 }}\n{STILL}"
     ));
     folder.write("drop.xyz", xyz);
     let refused = folder.mesoflux("run fluid.toml --quiet");
@@ -174,7 +175,7 @@ fn chains_made_by_the_input_run() {
         "[system]\ndensity = 3.0\n[species.bead]\n[species.water]\nparticles = 60\n\
          [bond.fene]\npotential.fene = {{ stiffness = 30.0, longest = 1.5 }}\n\
          [molecule.polymer]\ncount = 2\nblocks = [{{ species = \"bead\", beads = 10 }}]\nbond = \"fene\"\n\
-         [pair.all]\npotential.soft = {{ repulsion = 25.0, cutoff = 1.0 }}\nfriction.linear = {{ coefficient = 4.5, cutoff = 1.0 }}\n{STILL}"
+         [pair.all]\npotential.soft = {{ repulsion = 25.0, cutoff = 1.0 }}\n{STILL}"
     );
     let folder = Folder::with(&input);
     let free = value(&folder.run_for_results(""), "potential_energy");

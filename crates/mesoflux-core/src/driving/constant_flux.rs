@@ -2,8 +2,7 @@
 
 use super::{DrivenStep, Driving};
 use crate::forcing::{ForcingError, ForcingField};
-use crate::integrate::{Change, Constraint, FluxChange};
-use crate::pair::dissipative_flux;
+use crate::integrate::{Change, Constraint, FluxChange, Schedule};
 use crate::system::System;
 use crate::vector::dot;
 use serde::{Deserialize, Serialize};
@@ -36,10 +35,11 @@ pub struct ConstantFlux {
     thermostat: MeanRate,
 }
 
-/// The mean of a multiplier over time, that of the last thousand strokes counting most.
+/// The mean of a multiplier over time, the last thousand strokes counting most.
 #[derive(Debug, Clone, Copy, Default)]
 struct MeanRate {
     mean: f64,
+    /// How much the mean counts against the next stroke.
     strokes: f64,
 }
 
@@ -49,8 +49,9 @@ impl MeanRate {
     const MEMORY: f64 = 1000.0;
 
     fn record(&mut self, rate: f64) {
-        self.strokes = (self.strokes + 1.0).min(Self::MEMORY);
-        self.mean += (rate - self.mean) / self.strokes;
+        self.mean += (rate - self.mean) / (1.0 + self.strokes);
+        // What is recorded at the beginning, at a start that is no steady state, is forgotten soon.
+        self.strokes = (self.strokes + 0.25).min(Self::MEMORY);
     }
 }
 
@@ -159,7 +160,7 @@ impl Driving for ConstantFlux {
         memory.iter().all(|number| number.is_finite()) && flights >= 0.0 && sweeps >= 0.0
     }
 
-    fn forcing_observable(&mut self, system: &mut System) -> Option<f64> {
+    fn forcing_observable(&mut self, system: &mut System, schedule: &Schedule) -> Option<f64> {
         self.field.update(&system.particles, system.layout(), true, system.workers);
         system.update_forces();
         let field = &self.field;
@@ -168,7 +169,7 @@ impl Driving for ConstantFlux {
         let conservative =
             workers.sum(particles.count(), |k| dot(field.response[k].vector(), system.forces()[k].vector()));
         let drift = workers.sum(particles.count(), |k| field.forcing().response_drift(particles, k));
-        let dissipative = dissipative_flux(system.list(), &system.interactions, particles, &field.response, workers);
+        let dissipative = schedule.dissipative_flux(system, &field.response);
         Some(-(conservative + dissipative + drift) / field.control)
     }
 }

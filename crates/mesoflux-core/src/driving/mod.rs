@@ -7,7 +7,7 @@ pub use constant_flux::{ConstantFlux, Projection};
 pub use constant_force::ConstantForce;
 
 use crate::forcing::ForcingError;
-use crate::integrate::{Change, Constraint};
+use crate::integrate::{Change, Constraint, Schedule};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 
@@ -47,10 +47,11 @@ pub trait Driving: std::fmt::Debug + Send + Sync {
         memory.is_empty()
     }
 
-    /// λ(q, p) of Wu & Shang's eq. 13 at the present state: what the booked multipliers average to as Δt → 0.
+    /// λ(q, p) of Wu & Shang's eq. 13 at the present state: what the booked multipliers average to as Δt → 0; the friction is that
+    /// of the letters.
     ///
     /// `None` for a driving with constant force.
-    fn forcing_observable(&mut self, _system: &mut System) -> Option<f64> {
+    fn forcing_observable(&mut self, _system: &mut System, _schedule: &Schedule) -> Option<f64> {
         None
     }
 }

@@ -2,12 +2,14 @@
 
 mod drift;
 mod kick;
+mod langevin;
 mod pair_ornstein_uhlenbeck;
 mod splitting;
 mod velocity_verlet;
 
 pub use drift::Drift;
 pub use kick::Kick;
+pub use langevin::{Langevin, ParticleOrnsteinUhlenbeck};
 pub use pair_ornstein_uhlenbeck::PairOrnsteinUhlenbeck;
 pub use splitting::{Schedule, WordError};
 pub use velocity_verlet::VelocityVerlet;
@@ -79,14 +81,24 @@ pub trait Letter: std::fmt::Debug + Send + Sync {
     fn tells_expected_flux(&self) -> bool {
         true
     }
+    /// Whether it leaves the total momentum as it was.
+    fn conserves_momentum(&self) -> bool {
+        true
+    }
+    /// G·(the friction force that it stands for) at the present state, for a response G in storage order.
+    fn dissipative_flux(&self, _system: &mut System, _response: &[Row]) -> f64 {
+        0.0
+    }
 }
 
 /// Which thermostat the letter O stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Thermostat {
     /// The exact update of each pair in turn.
     PairOrnsteinUhlenbeck,
+    /// The exact update of each particle by drag and noise of a bath: momentum is not conserved.
+    Langevin(Langevin),
     /// None: constant energy.
     None,
 }
@@ -109,4 +121,14 @@ pub enum Integrator {
     Splitting(Schedule),
     /// Groot and Warren's velocity Verlet.
     VelocityVerlet(VelocityVerlet),
+}
+
+impl Integrator {
+    /// Whether it leaves the total momentum as it was, but for external fields.
+    pub fn conserves_momentum(&self) -> bool {
+        match self {
+            Self::Splitting(schedule) => schedule.entries().iter().all(|(letter, _)| letter.conserves_momentum()),
+            Self::VelocityVerlet(_) => true,
+        }
+    }
 }

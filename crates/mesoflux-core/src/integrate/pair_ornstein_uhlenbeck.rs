@@ -1,8 +1,9 @@
 //! O: the pair thermostat, exact pair by pair.
 
 use super::{Change, FluxChange, Letter, Stroke};
+use crate::lanes::Row;
 use crate::noise::Purpose;
-use crate::pair::Sweep;
+use crate::pair::{Sweep, dissipative_flux};
 use crate::system::{SimulationError, System};
 
 /// Every pair's relative velocity along its line of centers follows its Ornstein–Uhlenbeck process over the time t, one pair
@@ -31,5 +32,11 @@ impl Letter for PairOrnsteinUhlenbeck {
         };
         let (expected, multiplier) = system.sweep(&sweep, stroke.constraint.as_ref());
         Ok(Change { flux: FluxChange::Expected(expected), multiplier })
+    }
+
+    fn dissipative_flux(&self, system: &mut System, response: &[Row]) -> f64 {
+        let workers = system.workers;
+        let (list, interactions, particles) = system.with_contacts();
+        dissipative_flux(list, interactions, particles, response, workers)
     }
 }

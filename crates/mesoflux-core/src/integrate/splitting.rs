@@ -1,6 +1,8 @@
 //! Words: which letters act in which order, each for its share of the time step.
 
-use super::{Drift, Kick, Letter, PairOrnsteinUhlenbeck, SweepOrder, Thermostat};
+use super::{Drift, Kick, Langevin, Letter, PairOrnsteinUhlenbeck, ParticleOrnsteinUhlenbeck, SweepOrder, Thermostat};
+use crate::lanes::Row;
+use crate::system::System;
 
 /// A word that is no integrator.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -40,6 +42,9 @@ impl Schedule {
                 ('A', _) => Box::new(Drift),
                 ('B', _) => Box::new(Kick),
                 ('O', Thermostat::PairOrnsteinUhlenbeck) => Box::new(PairOrnsteinUhlenbeck { temperature }),
+                ('O', Thermostat::Langevin(Langevin { friction })) => {
+                    Box::new(ParticleOrnsteinUhlenbeck { temperature, friction })
+                }
                 ('O', Thermostat::None) => return Err(WordError::NoThermostat),
                 _ => return Err(WordError::UnknownLetter(symbol)),
             })
@@ -65,6 +70,11 @@ impl Schedule {
     /// The letters in the order in which they act, each with its share of the time step.
     pub fn entries(&self) -> &[(Box<dyn Letter>, f64)] {
         &self.entries
+    }
+
+    /// G·(the friction force of all letters) at the present state, for a response G in storage order.
+    pub fn dissipative_flux(&self, system: &mut System, response: &[Row]) -> f64 {
+        self.entries.iter().map(|(letter, share)| share * letter.dissipative_flux(system, response)).sum()
     }
 
     /// Whether the sweeps of a step go backward.
@@ -102,6 +112,10 @@ mod tests {
         assert_eq!(refused("", None), Some(WordError::MissingLetter('A')));
         assert_eq!(refused("BAB", PairOrnsteinUhlenbeck), Some(WordError::MissingThermostat));
         assert_eq!(refused("ABOBA", None), Some(WordError::NoThermostat));
+        assert_eq!(
+            refused("BAB", Thermostat::Langevin(Langevin { friction: 1.0 })),
+            Some(WordError::MissingThermostat)
+        );
         assert!(schedule("BAB", None).is_ok());
     }
 }

@@ -11,7 +11,7 @@ use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::Driving;
 use mesoflux_core::forcing::{Axis, ForcingChoice, ForcingKind, Wave};
 use mesoflux_core::friction::{Friction, linear::Linear};
-use mesoflux_core::integrate::{Integrator, Schedule, SweepOrder, Thermostat, VelocityVerlet};
+use mesoflux_core::integrate::{Integrator, Langevin, Schedule, SweepOrder, Thermostat, VelocityVerlet};
 use mesoflux_core::interactions::{Interactions, PairTable};
 use mesoflux_core::noise::NoiseKey;
 use mesoflux_core::potential::Potential;
@@ -29,6 +29,8 @@ use rayon::prelude::*;
 pub struct Fluid {
     pub potential: Option<Potential>,
     pub friction: Linear,
+    /// What the letter O stands for.
+    pub thermostat: Thermostat,
     pub density: f64,
     /// Particles and mass of each species.
     pub species: Vec<(usize, f64)>,
@@ -46,6 +48,7 @@ impl Fluid {
         Self {
             potential: Some(Potential::Soft(Soft { repulsion: 25.0, cutoff: 1.0 })),
             friction: friction(4.5, 1.0),
+            thermostat: Thermostat::PairOrnsteinUhlenbeck,
             density: 3.0,
             species: vec![(count, 1.0)],
             skin: 0.3,
@@ -63,14 +66,19 @@ impl Fluid {
             potential: Some(lennard_jones(2.5, Truncation::ForceShifted)),
             friction: friction(4.5, 2.5),
             density: 0.85,
-            species: vec![(count, 1.0)],
-            skin: 0.3,
+            ..Self::groot_warren(count)
         }
     }
 
     /// The same fluid with several species that differ in mass alone.
     pub fn with_species(mut self, species: &[(usize, f64)]) -> Self {
         self.species = species.to_vec();
+        self
+    }
+
+    /// The same fluid with the Langevin thermostat of a drag γ; the friction of its pairs then does nothing.
+    pub fn with_langevin(mut self, friction: f64) -> Self {
+        self.thermostat = Thermostat::Langevin(Langevin { friction });
         self
     }
 
@@ -94,7 +102,13 @@ impl Fluid {
 
     /// Runs a word at kT = 1 from the lattice on.
     pub fn simulation(&self, word: &str, driving: Option<Box<dyn Driving>>, noise: NoiseKey, dt: f64) -> Simulation {
-        Simulation::new(self.system(1.0, noise), splitting(word), driving, noise, dt).unwrap()
+        Simulation::new(self.system(1.0, noise), self.integrator(word), driving, noise, dt).unwrap()
+    }
+
+    /// A word at kT = 1 with the fluid's thermostat and alternating sweeps; without an O, at constant energy.
+    pub fn integrator(&self, word: &str) -> Integrator {
+        let thermostat = if word.contains('O') { self.thermostat } else { Thermostat::None };
+        Integrator::Splitting(Schedule::new(word, thermostat, 1.0, SweepOrder::Alternating).unwrap())
     }
 }
 
@@ -117,10 +131,9 @@ pub fn interactions(
     }
 }
 
-/// A word at kT = 1 with alternating sweeps; without an O, at constant energy.
+/// A word at kT = 1 with the pair thermostat and alternating sweeps; without an O, at constant energy.
 pub fn splitting(word: &str) -> Integrator {
-    let thermostat = if word.contains('O') { Thermostat::PairOrnsteinUhlenbeck } else { Thermostat::None };
-    Integrator::Splitting(Schedule::new(word, thermostat, 1.0, SweepOrder::Alternating).unwrap())
+    Fluid::groot_warren(0).integrator(word)
 }
 
 /// Groot and Warren's scheme at kT = 1 with λ = ½.

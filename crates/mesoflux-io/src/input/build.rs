@@ -56,8 +56,21 @@ impl Input {
 
     /// Whether something holds the temperature.
     pub fn is_thermostatted(&self) -> bool {
-        let without_friction = self.interactions().frictions.entries().iter().all(Option::is_none);
-        !without_friction && (self.dynamics.velocity_verlet.is_some() || self.dynamics.thermostat != Thermostat::None)
+        match self.dynamics.thermostat {
+            Thermostat::Langevin(_) => true,
+            Thermostat::PairOrnsteinUhlenbeck => self.has_friction(),
+            Thermostat::None => self.dynamics.velocity_verlet.is_some() && self.has_friction(),
+        }
+    }
+
+    /// Whether some pair feels a friction.
+    pub(super) fn has_friction(&self) -> bool {
+        self.interactions().frictions.entries().iter().any(Option::is_some)
+    }
+
+    /// Whether the integrator leaves the total momentum as it was, but for external fields.
+    pub fn integrator_conserves_momentum(&self) -> bool {
+        self.integrator().is_ok_and(|integrator| integrator.conserves_momentum())
     }
 
     /// The sides of the box: given, or a cube of the given density.

@@ -49,12 +49,14 @@ impl Input {
         Ok(Fields::from(fields))
     }
 
-    /// What a reader of the results must know of the fields; nothing where there are none.
-    pub fn remark_on_fields(&self) -> Option<String> {
+    /// What breaks the conservation of momentum, which a reader of the results must know; nothing where nothing does.
+    pub fn remark_on_momentum(&self) -> Option<String> {
         let conserved = self.fields(&self.region().ok()?).ok()?.conserved();
-        let broken: Vec<&str> =
-            ["x", "y", "z"].into_iter().zip(conserved).filter(|(_, c)| !c).map(|(axis, _)| axis).collect();
-        let names: Vec<String> = self.field.keys().map(|name| format!("field.{name}")).collect();
+        let conserving = self.integrator_conserves_momentum();
+        let axes = ["x", "y", "z"].into_iter().zip(conserved);
+        let broken: Vec<&str> = axes.filter(|(_, fixed)| !(*fixed && conserving)).map(|(axis, _)| axis).collect();
+        let thermostat = (!conserving).then(|| "dynamics.thermostat.langevin".to_owned());
+        let names: Vec<String> = self.field.keys().map(|name| format!("field.{name}")).chain(thermostat).collect();
         (!broken.is_empty()).then(|| {
             format!("{} acts: the total momentum along {} is not conserved", names.join(" and "), broken.join(", "))
         })

@@ -88,6 +88,11 @@ impl Quantity {
     }
 }
 
+/// Whether a route takes its coefficient from the way in which conserved momentum spreads.
+pub(super) fn rests_on_momentum(route: &str) -> bool {
+    ["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current"].contains(&route)
+}
+
 impl RoutesInput {
     /// The names of the routes that are asked for.
     pub fn names(&self) -> Vec<&'static str> {

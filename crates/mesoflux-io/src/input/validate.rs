@@ -1,7 +1,7 @@
 //! What an input must fulfil beyond its form; each fault with the path, the value and the requirement.
 
 use super::Input;
-use mesoflux_core::integrate::Thermostat;
+use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::potential::Requirement;
 use std::fmt::Display;
 use std::ops::Range;
@@ -101,11 +101,18 @@ impl Input {
         let dynamics = &self.dynamics;
         number("dynamics.temperature", dynamics.temperature, Requirement::Positive)?;
         number("dynamics.time_step", dynamics.time_step, Requirement::Positive)?;
-        let without_friction = self.interactions().frictions.entries().iter().all(Option::is_none);
+        if let Thermostat::Langevin(Langevin { friction }) = dynamics.thermostat {
+            number("dynamics.thermostat.langevin.friction", friction, Requirement::Positive)?;
+        }
         match (&dynamics.velocity_verlet, &dynamics.word) {
             (Some(_), Some(word)) => {
                 let requirement = "must be left out where velocity_verlet is given";
                 return Err(Invalid::new("dynamics.word", format!("{word:?}"), requirement));
+            }
+            (Some(_), None) if matches!(dynamics.thermostat, Thermostat::Langevin(_)) => {
+                let requirement =
+                    "must be left out where velocity_verlet is given: friction and noise of pairs are its thermostat";
+                return Err(Invalid::new("dynamics.thermostat.langevin", "", requirement));
             }
             (Some(scheme), None) => {
                 if !(0.0..=1.0).contains(&scheme.lambda) {
@@ -124,18 +131,35 @@ impl Input {
                         "needs a word without the letter O, e.g. word = \"BAB\" for constant energy",
                     ));
                 }
-                if without_friction && dynamics.thermostat != Thermostat::None {
-                    return Err(Invalid::new(
-                        "dynamics.thermostat",
-                        "\"pair_ornstein_uhlenbeck\"",
-                        "needs a friction between some pair: give pair.all.friction, or thermostat = \"none\" with a word such as \"BAB\" for constant energy",
-                    ));
-                }
+                self.validate_pair_thermostat()?;
                 self.integrator()
                     .map_err(|error| Invalid::new("dynamics.word", format!("{:?}", dynamics.word()), error))?;
+                self.validate_unused_friction()?;
             }
         }
         Ok(())
+    }
+
+    /// The pair thermostat needs a friction.
+    fn validate_pair_thermostat(&self) -> Result<(), Invalid> {
+        if self.dynamics.thermostat != Thermostat::PairOrnsteinUhlenbeck || self.has_friction() {
+            return Ok(());
+        }
+        let requirement = "needs a friction between some pair: give pair.all.friction, or thermostat = \"none\" with a word such as \"BAB\" for constant energy";
+        Err(Invalid::new("dynamics.thermostat", "\"pair_ornstein_uhlenbeck\"", requirement))
+    }
+
+    /// No friction between pairs where no letter would use it.
+    fn validate_unused_friction(&self) -> Result<(), Invalid> {
+        let requirement = match self.dynamics.thermostat {
+            Thermostat::PairOrnsteinUhlenbeck => return Ok(()),
+            Thermostat::Langevin(_) => {
+                "must be left out with dynamics.thermostat.langevin, whose drag is on each particle alone: no letter would use it"
+            }
+            Thermostat::None => "must be left out with dynamics.thermostat = \"none\": no letter would use it",
+        };
+        let given = self.pair.iter().find(|(_, pair)| pair.friction.flatten().is_some());
+        given.map_or(Ok(()), |(name, _)| Err(Invalid::new(format!("pair.{name}.friction"), "", requirement)))
     }
 
     fn validate_run(&self) -> Result<(), Invalid> {

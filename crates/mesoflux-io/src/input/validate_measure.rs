@@ -1,5 +1,6 @@
 //! What a measurement must fulfil: routes that lead to its quantity, laws that allow it, a driving that can act.
 
+use super::routes::rests_on_momentum;
 use super::structure::MOST_BINS;
 use super::validate::{Invalid, number, written};
 use super::wording::one_of;
@@ -21,6 +22,11 @@ impl Input {
             if !allowed.contains(route) {
                 let quantity = measure.quantity.name();
                 let requirement = format!("does not lead to {quantity}: must be {}", one_of(allowed));
+                return Err(Invalid::new(format!("{path}.routes.{route}"), "", requirement));
+            }
+            if rests_on_momentum(route) && !self.integrator_conserves_momentum() {
+                let requirement = "rests on the conservation of momentum: must be left out with dynamics.thermostat.langevin, \
+                                   whose drag takes momentum away and screens hydrodynamics";
                 return Err(Invalid::new(format!("{path}.routes.{route}"), "", requirement));
             }
         }

@@ -3,6 +3,7 @@
 use super::Input;
 use super::field::wrong_expression;
 use super::validate::{Invalid, number, rounded, written};
+use mesoflux_core::integrate::Thermostat;
 use mesoflux_core::potential::Requirement;
 
 /// The most particles a system may have: places in a list are 32-bit numbers.
@@ -134,7 +135,9 @@ impl Input {
             }
         }
         if self.interactions().cutoff() == 0.0 {
-            return Err(Invalid::new("pair", "", "must give at least one potential or friction, e.g. in [pair.all]"));
+            let frictions = self.dynamics.thermostat == Thermostat::PairOrnsteinUhlenbeck;
+            let laws = if frictions { "potential or friction" } else { "potential" };
+            return Err(Invalid::new("pair", "", format!("must give at least one {laws}, e.g. in [pair.all]")));
         }
         Ok(())
     }

@@ -81,6 +81,7 @@ fn requirement(message: &str) -> String {
         "u64" => "must be a whole number of at least 0".to_owned(),
         "a string" => "must be a text in quotes".to_owned(),
         "a boolean" => "must be true or false".to_owned(),
+        "newtype variant" => "must be given with its parameters, as `NAME = { … }`".to_owned(),
         "wanted string or table" => "must be a name in quotes".to_owned(),
         "enum" | "wanted exactly 1 element, found 0 elements" | "wanted exactly 1 element, more than 1 element" => {
             "must name exactly one law".to_owned()

@@ -2,6 +2,7 @@
 
 use super::{Record, RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, Blocking, Integral, MultipleTau};
+use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::Input;
 use mesoflux_io::results::Conditions;
@@ -145,8 +146,8 @@ pub(super) fn integral_conditions(function: &MultipleTau, integral: &Integral) -
 const SAMPLES: f64 = 4.0;
 
 /// Steps between two samples of quantities that follow collisions and friction, where the input names none: a quarter of the shorter
-/// of the time in which friction takes a relative velocity away, 1/(2a) with a = (4πρ/3m)∫Γ(r)r²dr, and the time of flight
-/// at thermal speed over a tenth of the shortest cutoff.
+/// of the time in which friction takes a relative velocity away, 1/(2a) with a = (4πρ/3m)∫Γ(r)r²dr between pairs, m/γ by the
+/// Langevin thermostat, and the time of flight at thermal speed over a tenth of the shortest cutoff.
 pub(super) fn interval(input: &Input, given: Option<u64>) -> u64 {
     if let Some(interval) = given {
         return interval;
@@ -168,7 +169,11 @@ pub(super) fn interval(input: &Input, given: Option<u64>) -> u64 {
             .sum();
         2.0 * 4.0 * PI * density / (3.0 * mass) * integral
     };
-    let fastest = frictions.clone().map(rate).fold(0.0, f64::max);
+    let drag = match input.dynamics.thermostat {
+        Thermostat::Langevin(Langevin { friction }) => friction / mass,
+        Thermostat::PairOrnsteinUhlenbeck | Thermostat::None => 0.0,
+    };
+    let fastest = frictions.clone().map(rate).fold(drag, f64::max);
     let cutoffs = frictions.map(mesoflux_core::friction::Friction::cutoff);
     let cutoffs = cutoffs
         .chain(interactions.potentials.entries().iter().flatten().map(mesoflux_core::potential::Potential::cutoff));

@@ -2,6 +2,7 @@
 
 use super::{Outcome, Record, Route, RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, MeanSquaredDisplacement};
+use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::vector::Vector;
 use mesoflux_io::input::{Input, MeanSquaredDisplacementInput};
@@ -12,10 +13,13 @@ use std::io::{self, Write};
 /// Lags between zero and the longest one at which the displacement is measured.
 const LAGS: u64 = 32;
 
-/// D from the slope of the curve, or the mobility α = βD N/(N − 1).
+/// D from the slope of the curve, or the mobility α of the driven routes.
 ///
-/// The response of the driven routes counts velocities relative to the rest of a system at rest: with total momentum zero,
-/// Σ F_i = 0 and |F| = 1 give ⟨R(0) R(t)⟩ = N/(N − 1) times the autocorrelation of one particle's velocity component.
+/// With Σ F_i = 0 and |F| = 1, ⟨R(0) R(t)⟩ is the autocorrelation of one particle's velocity component less the correlation with
+/// that of another, whichever: α = β(D − D'). What the centroid does tells D': its own coefficient is (D + (N − 1)D')/N.
+/// Where total momentum is conserved and zero it rests if masses are equal, and α = βD N/(N − 1). With a drag γ on every particle, of whatever
+/// mass, γ times the centroid's displacement is the mean impulse of the noises, but for what momenta are left: its coefficient
+/// is kT/(Nγ), and α = (βD N − 1/γ)/(N − 1).
 pub(super) struct MeanSquaredDisplacementRoute {
     pub parameters: MeanSquaredDisplacementInput,
     pub mobility: bool,
@@ -46,8 +50,16 @@ impl Route for MeanSquaredDisplacementRoute {
         };
         let diffusion = displacement.diffusion_coefficient();
         let particles = input.particles() as f64;
-        let factor = particles / (particles - 1.0) / input.dynamics.temperature;
-        let estimate = if self.mobility { diffusion.estimate.scaled(factor) } else { diffusion.estimate };
+        let estimate = if self.mobility {
+            let factor = particles / (particles - 1.0) / input.dynamics.temperature;
+            let mut mobility = diffusion.estimate.scaled(factor);
+            if let Thermostat::Langevin(Langevin { friction }) = input.dynamics.thermostat {
+                mobility.value = mobility.value.map(|value| value - 1.0 / (friction * (particles - 1.0)));
+            }
+            mobility
+        } else {
+            diffusion.estimate
+        };
         let mut conditions = Conditions::new();
         if let Some((from, to)) = diffusion.window {
             conditions.insert("fit_from".to_owned(), from.into());

@@ -2,6 +2,7 @@
 
 use mesoflux_analysis::Estimate;
 use mesoflux_core::forcing::ForcingChoice;
+use mesoflux_core::integrate::Thermostat;
 use mesoflux_io::input::Input;
 use mesoflux_io::results::Conditions;
 
@@ -9,10 +10,15 @@ use mesoflux_io::results::Conditions;
 pub(super) enum Transport {
     /// The mobility α itself.
     Mobility,
-    /// The shear viscosity η = ρ|F₁|/(k²α) at the wavenumber k of the forcing (Wu & Shang, eq. 87), ρ the number density.
+    /// The shear viscosity η = (ρ/k²)(|F₁|/α − γ) at the wavenumber k of the forcing (Wu & Shang, eq. 87), ρ the number density and
+    /// γ the drag of the Langevin thermostat, where there is one: it takes a part of the force that the viscous stress doesn't
+    /// (Joubaud & Stoltz, Multiscale Model. Simul. 10, 191 (2012)).
     ShearViscosity {
-        /// ρ|F₁|/k².
+        /// |F₁|.
+        first_coefficient: f64,
+        /// ρ/k².
         factor: f64,
+        drag: f64,
         wavenumber: f64,
         remove_mean_force: bool,
     },
@@ -21,20 +27,25 @@ pub(super) enum Transport {
 impl Transport {
     pub(super) fn new(input: &Input, forcing: ForcingChoice) -> Self {
         let ForcingChoice { kind, wave, remove_mean_force } = forcing;
-        let Some(first) = kind.first_coefficient() else {
+        let Some(first_coefficient) = kind.first_coefficient() else {
             return Self::Mobility;
         };
         let sides = input.sides();
         let density = input.particles() as f64 / sides.iter().product::<f64>();
         let wavenumber = wave.wavenumber(sides);
-        Self::ShearViscosity { factor: density * first / (wavenumber * wavenumber), wavenumber, remove_mean_force }
+        let factor = density / (wavenumber * wavenumber);
+        let drag = match input.dynamics.thermostat {
+            Thermostat::Langevin(bath) => bath.friction,
+            Thermostat::PairOrnsteinUhlenbeck | Thermostat::None => 0.0,
+        };
+        Self::ShearViscosity { first_coefficient, factor, drag, wavenumber, remove_mean_force }
     }
 
     /// From the slope of the flux against the forcing.
     pub(super) fn of_slope(&self, slope: Estimate) -> Estimate {
         match self {
             Self::Mobility => slope,
-            Self::ShearViscosity { factor, .. } => slope.inverse().scaled(*factor),
+            Self::ShearViscosity { .. } => self.of_inverse_slope(slope.inverse()),
         }
     }
 
@@ -42,7 +53,11 @@ impl Transport {
     pub(super) fn of_inverse_slope(&self, slope: Estimate) -> Estimate {
         match self {
             Self::Mobility => slope.inverse(),
-            Self::ShearViscosity { factor, .. } => slope.scaled(*factor),
+            Self::ShearViscosity { first_coefficient, factor, drag, .. } => {
+                let mut viscosity = slope.scaled(factor * first_coefficient);
+                viscosity.value = viscosity.value.map(|value| value - factor * drag);
+                viscosity
+            }
         }
     }
 
