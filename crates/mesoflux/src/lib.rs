@@ -15,3 +15,4 @@ pub mod report;
 pub mod route;
 mod setup;
 pub mod store;
+pub mod study;
