@@ -1,8 +1,6 @@
 //! `mesoflux reproduce STUDY[/ITEM]`.
 
-use super::session::{
-    Failure, Options, RESULTS, STATES, Session, Workplace, planned, print, shell_word, work_in,
-};
+use super::session::{Failure, Options, RESULTS, STATES, Session, Workplace, planned, print, shell_word, work_in};
 use crate::plan::Plan;
 use crate::study::collect::{self, Finished};
 use crate::study::definition::ItemInput;
@@ -83,7 +81,8 @@ pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     judged.retain(|entry| item.as_ref().is_none_or(|item| *item == entry.item));
-    let notes = judged.iter().filter_map(|entry| Some(format!("{}, {}: {}\n", entry.item, entry.claim, entry.note.as_ref()?)));
+    let notes =
+        judged.iter().filter_map(|entry| Some(format!("{}, {}: {}\n", entry.item, entry.claim, entry.note.as_ref()?)));
     let notes: String = notes.collect();
     let directory = place.directory.path().display();
     print(&format!(
@@ -147,7 +146,9 @@ impl Place {
         directory.write(STUDY, (serde_json::to_string(&mark)? + "\n").as_bytes())?;
         let points = OutputDirectory::explicit(&wanted.join(POINTS), true)?;
         let lock = points.lock("lock").map_err(|error| match error {
-            DirectoryError::InUse { holder, .. } => DirectoryError::InUse { path: wanted.display().to_string(), holder },
+            DirectoryError::InUse { holder, .. } => {
+                DirectoryError::InUse { path: wanted.display().to_string(), holder }
+            }
             other => other,
         })?;
         directory.remove_unfinished()?;
@@ -201,7 +202,13 @@ impl Place {
     }
 
     /// Writes the data of an item and all verdicts.
-    fn write(&self, study: &Study, item: &str, data: &crate::study::claim::Data, judged: &[Judged]) -> Result<(), Failure> {
+    fn write(
+        &self,
+        study: &Study,
+        item: &str,
+        data: &crate::study::claim::Data,
+        judged: &[Judged],
+    ) -> Result<(), Failure> {
         let folder = OutputDirectory::explicit(&self.directory.path().join(item), true)?;
         for (name, series) in data {
             folder.write(&format!("{name}.csv"), series.csv().as_bytes())?;

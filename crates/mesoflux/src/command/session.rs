@@ -82,9 +82,7 @@ pub enum Failure {
     #[error("{0}")]
     Study(#[from] StudyError),
     /// The file system failed under way; what was written before is whole.
-    #[error(
-        "{failure}\nwhat was kept before is whole; once this is put right, go on with: {command}"
-    )]
+    #[error("{failure}\nwhat was kept before is whole; once this is put right, go on with: {command}")]
     Resumable {
         /// What failed.
         failure: Box<Self>,
@@ -127,11 +125,7 @@ impl Failure {
             Self::Directory(DirectoryError::Io { .. })
                 | Self::Job(JobError::Store { source: StoreError::Directory(_), .. })
         );
-        if temporary {
-            Self::Resumable { failure: Box::new(self), command: command.to_owned() }
-        } else {
-            self
-        }
+        if temporary { Self::Resumable { failure: Box::new(self), command: command.to_owned() } } else { self }
     }
 }
 

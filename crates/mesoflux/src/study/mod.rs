@@ -132,7 +132,8 @@ impl Study {
             let Some(item) = self.definition.item.get(&claim.item) else {
                 return wrong(place(), &format!("no item `{}`", claim.item));
             };
-            if let Some(unknown) = claim.measured.series().into_iter().find(|series| item.series.get(series).is_none()) {
+            if let Some(unknown) = claim.measured.series().into_iter().find(|series| item.series.get(series).is_none())
+            {
                 return wrong(place(), &format!("no series `{unknown}` in {}", claim.item));
             }
         }

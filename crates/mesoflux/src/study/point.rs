@@ -29,7 +29,12 @@ impl StudyPoint {
         let settings: Vec<Setting> = shorter.map_or_else(Vec::new, |table| {
             leaves(table).into_iter().map(|(path, value)| Setting { path, value: value.to_string() }).collect()
         });
-        let file = InputFile::parse(&format!("{}, inputs/{name}.toml", study.name), &text, &settings, Files::beside(Path::new("")))?;
+        let file = InputFile::parse(
+            &format!("{}, inputs/{name}.toml", study.name),
+            &text,
+            &settings,
+            Files::beside(Path::new("")),
+        )?;
         if !file.named_files()?.is_empty() {
             return Err(StudyError::Wrong(format!(
                 "{}, inputs/{name}.toml: system.start names a file: an input of a study must stand alone",

@@ -60,33 +60,3 @@ impl Series {
         "x,x_error,y,y_error\n".to_owned() + &self.points.iter().map(row).collect::<String>()
     }
 }
-
-/// A point on logarithmic axes: ln x and ln y with the errors of first order.
-#[derive(Debug, Clone, Copy)]
-pub struct LogPoint {
-    /// ln x.
-    pub x: f64,
-    /// s_x/x.
-    pub x_error: f64,
-    /// ln y.
-    pub y: f64,
-    /// s_y/y.
-    pub y_error: f64,
-}
-
-/// Points on logarithmic axes.
-///
-/// # Errors
-/// A point that isn't positive, or has no error at all.
-pub fn logarithms(points: &[Point]) -> Result<Vec<LogPoint>, String> {
-    let one = |p: &Point| {
-        if !(p.x > 0.0 && p.y > 0.0) {
-            return Err(format!("the point ({}, {}) has no logarithm", p.x, p.y));
-        }
-        if !(p.y_error > 0.0 || p.x_error > 0.0) {
-            return Err(format!("the point ({}, {}) has no error", p.x, p.y));
-        }
-        Ok(LogPoint { x: p.x.ln(), x_error: p.x_error / p.x, y: p.y.ln(), y_error: p.y_error / p.y })
-    };
-    points.iter().map(one).collect()
-}

@@ -4,7 +4,7 @@ use super::ratio::compare;
 use super::{Data, Finding};
 use crate::study::definition::Range;
 
-/// The relative difference a/b − 1, as the weighted mean over all x where both are known; expected 0.
+/// The relative difference a/b − 1, over all x where both are known; expected 0.
 ///
 /// The mean can hide differences that cancel: the note has the largest difference of a single point in units of its error, and
 /// where the points scatter more than their errors allow, the error of the mean is larger by that.
@@ -23,7 +23,11 @@ impl Agreement {
         let (comparison, mut finding) = compare(data, a, b, self.window)?;
         finding.value -= 1.0;
         if comparison.points.len() > 1 {
-            let note = format!("{} points, the largest |z| of one is {:.1}", comparison.points.len(), comparison.largest_score);
+            let note = format!(
+                "{} points, the largest |z| of one is {:.1}",
+                comparison.points.len(),
+                comparison.largest_score
+            );
             finding.notes.insert(0, note);
         }
         Ok(finding)

@@ -2,13 +2,13 @@
 
 use super::{Data, Finding, inflated, series};
 use crate::study::definition::Range;
-use crate::study::fit::Fit;
-use crate::study::series::{LogPoint, logarithms};
+use crate::study::fit::{Curve, Fit, fit_exponential};
+use crate::study::series::Point;
 
-/// p of y = c x^p: a weighted straight line through ln y against ln x.
+/// p of y = c x^p: the slope of ln y against ln x.
 ///
-/// The weights are 1/s² with s² = (s_y/y)² + (p s_x/x)². Where the points lie off the line by more than their errors allow
-/// (chance below 1 %), the error is larger by √(χ²/ν): the law doesn't hold there, and the number depends on the window.
+/// Where the points lie off the line by more than their errors allow (chance below 1 %), the error is larger by √(χ²/ν): the law
+/// doesn't hold there, and the number depends on the window.
 #[derive(Debug, Clone, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exponent {
@@ -20,8 +20,7 @@ pub struct Exponent {
 
 impl Exponent {
     pub(super) fn measure(&self, data: &Data) -> Result<Finding, String> {
-        let points = logarithms(&series(data, &self.of)?.within(self.window)?)?;
-        let fit = line(&points)?;
+        let fit = line(&series(data, &self.of)?.within(self.window)?)?;
         let excess = fit.excess();
         Ok(Finding {
             value: fit.parameters[1],
@@ -32,24 +31,24 @@ impl Exponent {
     }
 }
 
-/// ln y = a + p (ln x − mean of ln x): the parameters a and p.
+/// The parameters a and p of ln y = a + p (ln x − [`middle`]).
 ///
 /// # Errors
 /// Points that don't determine a line.
-pub(super) fn line(points: &[LogPoint]) -> Result<Fit, String> {
-    let middle = points.iter().map(|point| point.x).sum::<f64>() / points.len() as f64;
-    let rows: Vec<Vec<f64>> = points.iter().map(|point| vec![1.0, point.x - middle]).collect();
-    let values: Vec<f64> = points.iter().map(|point| point.y).collect();
-    let few = || format!("{} points don't determine an exponent", points.len());
-    // The errors of x count with a slope that the fit must find: at first without weights.
-    let mut fit = Fit::new(&rows, &values, &vec![1.0; points.len()]).ok_or_else(few)?;
-    for _ in 0..3 {
-        fit = Fit::new(&rows, &values, &errors(points, |_| fit.parameters[1])).ok_or_else(few)?;
-    }
-    Ok(fit)
+pub(super) fn line(points: &[Point]) -> Result<Fit, String> {
+    let middle = middle(points);
+    // A first idea from the points that have a logarithm, all alike.
+    let positive: Vec<&Point> = points.iter().filter(|point| point.x > 0.0 && point.y > 0.0).collect();
+    let rows: Vec<Vec<f64>> = positive.iter().map(|point| vec![1.0, point.x.ln() - middle]).collect();
+    let logs: Vec<f64> = positive.iter().map(|point| point.y.ln()).collect();
+    let start = Fit::new(&rows, &logs, &vec![1.0; logs.len()]);
+    let start = start.ok_or_else(|| format!("{} positive points don't determine an exponent", positive.len()))?;
+    fit_exponential(points, start.parameters, |a, x| {
+        Some(Curve { value: a[0] + a[1] * (x - middle), row: vec![1.0, x - middle], slope: a[1] })
+    })
 }
 
-/// The errors of ln y, those of x included, for a curve of so much slope at each point.
-pub(super) fn errors(points: &[LogPoint], slope: impl Fn(&LogPoint) -> f64) -> Vec<f64> {
-    points.iter().map(|point| point.y_error.hypot(slope(point) * point.x_error)).collect()
+/// The mean of ln x.
+pub(super) fn middle(points: &[Point]) -> f64 {
+    points.iter().map(|point| point.x.ln()).sum::<f64>() / points.len() as f64
 }

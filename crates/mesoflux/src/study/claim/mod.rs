@@ -120,5 +120,5 @@ fn inflated(excess: f64) -> String {
     format!("the points scatter {excess:.1} times as much as their errors allow; the error is larger by that")
 }
 
-// cfgtest
-// mod tests;
+#[cfg(test)]
+mod tests;

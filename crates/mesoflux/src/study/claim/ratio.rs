@@ -4,7 +4,7 @@ use super::{Data, Finding, inflated, series};
 use crate::study::comparison::Comparison;
 use crate::study::definition::Range;
 
-/// The ratio of two series: the weighted geometric mean over all x where both are known.
+/// The ratio of two series over all x where both are known.
 #[derive(Debug, Clone, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ratio {
@@ -31,17 +31,12 @@ impl Ratio {
 }
 
 /// The comparison of two series, a/b with its error.
-pub(super) fn compare(
-    data: &Data,
-    a: &str,
-    b: &str,
-    window: Option<Range>,
-) -> Result<(Comparison, Finding), String> {
+pub(super) fn compare(data: &Data, a: &str, b: &str, window: Option<Range>) -> Result<(Comparison, Finding), String> {
     // The window is for the numerator; the denominator may be interpolated from beyond it.
     let below = series(data, b)?.within(None)?;
     let comparison = Comparison::new(&series(data, a)?.within(window)?, &below)?;
-    let value = comparison.mean.exp();
-    let standard_error = value * comparison.standard_error;
     let notes = comparison.excess.map(inflated).into_iter().collect();
-    Ok((comparison, Finding { value, standard_error, violation: None, notes }))
+    let finding =
+        Finding { value: comparison.ratio, standard_error: comparison.standard_error, violation: None, notes };
+    Ok((comparison, finding))
 }
