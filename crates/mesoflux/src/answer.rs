@@ -1,9 +1,9 @@
 //! From finished runs to results: estimates, comparisons between routes, tables.
 
-use crate::figure::Profile;
 use crate::finite_size;
 use crate::job::{Finished, JobError, merged_records};
 use crate::plan::{Measurement, Plan, PointPlan, Task};
+use crate::response_figure::Profile;
 use crate::route::Outcome;
 use mesoflux_analysis::Estimate;
 use mesoflux_io::input::Input;
@@ -59,7 +59,7 @@ pub fn answer(
         let mut profiles: Vec<Profile> = Vec::new();
         for (mut record, outcome) in found {
             if let Some(outcome) = outcome {
-                Profile::collect(&mut profiles, &record, &outcome.response);
+                Profile::collect(&mut profiles, &record, &outcome);
                 if let Some(table) = outcome.table {
                     let name = format!("{}-{}{suffix}.csv", record.measurement, record.method);
                     files.push((name.clone(), table.csv()));
@@ -69,7 +69,7 @@ pub fn answer(
             estimates.push(record);
         }
         for profile in profiles.iter().filter(|profile| profile.is_worth_drawing()) {
-            files.push((format!("{}{suffix}.svg", profile.measurement), profile.draw(&input.title)));
+            files.push((format!("{}{suffix}.svg", profile.measurement), profile.figure(&input.title).svg()));
         }
         comparisons.extend(compare(point, &estimates[first[index]..]));
     }

@@ -12,6 +12,7 @@ pub mod plan;
 pub mod prediction;
 pub mod progress;
 pub mod report;
+pub mod response_figure;
 pub mod route;
 mod setup;
 pub mod store;

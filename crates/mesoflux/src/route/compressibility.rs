@@ -99,10 +99,9 @@ impl Route for Derivative {
         rows.sort_by(|a: &Vec<f64>, b| a[0].total_cmp(&b[0]));
         let header = ["density [1/l^3]", "pressure [e/l^3]", "standard_error [e/l^3]", "kinetic_temperature [e]"];
         Ok(Outcome {
-            estimate: self.wanted.of_compressibility(curve.coefficient, input),
             conditions,
             table: Some(Table::new(header, rows)),
-            response: Vec::new(),
+            ..Outcome::of(self.wanted.of_compressibility(curve.coefficient, input))
         })
     }
 }

@@ -66,10 +66,9 @@ impl Route for Fluctuation {
         });
         let header = ["wave_number [1/l]", "structure_factor [1]", "standard_error [1]", "wave_vectors [1]"];
         Ok(Outcome {
-            estimate: self.wanted.of_compressibility(estimate, input),
             conditions,
             table: Some(Table::new(header, rows.collect())),
-            response: Vec::new(),
+            ..Outcome::of(self.wanted.of_compressibility(estimate, input))
         })
     }
 }

@@ -58,7 +58,7 @@ impl Route for MeanSquaredDisplacementRoute {
             .into_iter()
             .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
         let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
-        Ok(Outcome { estimate, conditions, table: Some(Table::new(header, rows.collect())), response: Vec::new() })
+        Ok(Outcome { conditions, table: Some(Table::new(header, rows.collect())), ..Outcome::of(estimate) })
     }
 }
 

@@ -119,6 +119,8 @@ pub struct Outcome {
     pub table: Option<Table>,
     /// Points of the response curve, for a route that drives the fluid.
     pub response: Vec<Response>,
+    /// The response curve fitted to them as (forcing, flux), ascending from zero; empty where it is the straight line.
+    pub fitted: Vec<(f64, f64)>,
 }
 
 /// A point of a response curve.
@@ -133,7 +135,7 @@ pub struct Response {
 impl Outcome {
     /// An estimate alone.
     pub fn of(estimate: Estimate) -> Self {
-        Self { estimate, conditions: Conditions::new(), table: None, response: Vec::new() }
+        Self { estimate, conditions: Conditions::new(), table: None, response: Vec::new(), fitted: Vec::new() }
     }
 }
 

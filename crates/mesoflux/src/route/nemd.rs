@@ -40,7 +40,8 @@ impl Route for Nemd {
         let header = vec!["magnitude [f]", "flux [v]", "standard_error [v]", "kinetic_temperature [e]"];
         let table = Some(Table::new(header, rows(&points, records)?));
         let response = points.iter().map(|p| Response { forcing: (p.x, 0.0), flux: (p.y, p.standard_error) }).collect();
-        Ok(Outcome { estimate: curve.coefficient, conditions, table, response })
+        let fitted = fitted(&curve, &points);
+        Ok(Outcome { estimate: curve.coefficient, conditions, table, response, fitted })
     }
 }
 
@@ -52,6 +53,18 @@ pub(super) fn component(records: &[Record], index: usize) -> Result<Vec<Estimate
 /// Points of the response curve; `None` if one has no error.
 pub(super) fn points(strengths: &[f64], responses: &[Estimate]) -> Option<Vec<ResponsePoint>> {
     strengths.iter().zip(responses).map(|(&x, response)| ResponsePoint::new(x, response)).collect()
+}
+
+/// y = αx + βx³ + … from x = 0 to the largest |x| of the points, as (x, y); empty for the straight line.
+pub(super) fn fitted(curve: &ResponseCurve, points: &[ResponsePoint]) -> Vec<(f64, f64)> {
+    const SEGMENTS: u32 = 60;
+    if curve.order() < 2 {
+        return Vec::new();
+    }
+    let reach = points.iter().map(|point| point.x.abs()).fold(0.0, f64::max);
+    let response = |x: f64| x * curve.polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * x * x + coefficient);
+    let x = (0..=SEGMENTS).map(|k| reach * f64::from(k) / f64::from(SEGMENTS));
+    x.map(|x| (x, response(x))).collect()
 }
 
 /// The rows of the response curve's table.

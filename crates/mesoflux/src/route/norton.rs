@@ -1,6 +1,6 @@
 //! Mobility by stochastic Norton dynamics: the forcing that a constant flux needs (Wu & Shang, eqs 15, 16, 92).
 
-use super::nemd::{component, driven_conditions, points, rows};
+use super::nemd::{component, driven_conditions, fitted, points, rows};
 use super::{DrivenRecorder, Outcome, Record, Response, Route, RouteError, RouteRecorder, RunKind};
 use mesoflux_analysis::{Estimate, OrderChoice, fit_inverse_response};
 use mesoflux_core::forcing::ForcingKind;
@@ -53,6 +53,9 @@ impl Route for Norton {
             }
         }
         let response = points.iter().map(|p| Response { forcing: (p.y, p.standard_error), flux: (p.x, 0.0) }).collect();
-        Ok(Outcome { estimate: curve.coefficient, conditions, table: Some(Table::new(header, rows)), response })
+        // The fit is of the forcing by the flux.
+        let fitted = fitted(&curve, &points).into_iter().map(|(flux, forcing)| (forcing, flux)).collect();
+        let table = Some(Table::new(header, rows));
+        Ok(Outcome { estimate: curve.coefficient, conditions, table, response, fitted })
     }
 }

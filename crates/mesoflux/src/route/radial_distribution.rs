@@ -80,7 +80,7 @@ impl Route for Histogram {
         }
         let (distance, estimate) = highest.ok_or(RouteError::WrongRecord)?;
         let conditions = Conditions::from([("distance".to_owned(), distance.into())]);
-        Ok(Outcome { estimate, conditions, table: Some(Table::new(header, rows)), response: Vec::new() })
+        Ok(Outcome { conditions, table: Some(Table::new(header, rows)), ..Outcome::of(estimate) })
     }
 }
 
