@@ -2,12 +2,13 @@
 
 use super::session::{Failure, Options, RESULTS, STATES, Session, Workplace, planned, print, shell_word, work_in};
 use crate::plan::Plan;
+use crate::study::claim::Data;
 use crate::study::collect::{self, Finished};
 use crate::study::definition::ItemInput;
 use crate::study::point::StudyPoint;
 use crate::study::runs::FinishedRuns;
 use crate::study::verdict::{Judged, replaced};
-use crate::study::{Study, StudyError, library, report};
+use crate::study::{Study, StudyError, drawing, library, report};
 use clap::Args;
 use mesoflux_io::directory::{DirectoryError, Lock, OutputDirectory};
 use serde::{Deserialize, Serialize};
@@ -72,7 +73,7 @@ pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
         let claims = study.claims.iter().map(|(_, claim)| claim).filter(|claim| claim.item == *name);
         let new = claims.map(|claim| claim.judge(claim.measured.measure(&data))).collect();
         judged = replaced(judged, name, new, &study.definition.item.names());
-        place.write(&study, name, &data, &judged).map_err(|failure| failure.resumable(&place.command))?;
+        place.write(&study, (name, item), &data, &judged).map_err(|failure| failure.resumable(&place.command))?;
     }
     if arguments.options.json {
         return print(&(serde_json::to_string_pretty(&judged)? + "\n"));
@@ -201,17 +202,20 @@ impl Place {
         Ok(serde_json::from_slice(&text).map_err(|error| unreadable(&path, error.into()))?)
     }
 
-    /// Writes the data of an item and all verdicts.
+    /// Writes the data and the figure of an item, and all verdicts.
     fn write(
         &self,
         study: &Study,
-        item: &str,
-        data: &crate::study::claim::Data,
+        (item, input): (&str, &ItemInput),
+        data: &Data,
         judged: &[Judged],
     ) -> Result<(), Failure> {
         let folder = OutputDirectory::explicit(&self.directory.path().join(item), true)?;
         for (name, series) in data {
             folder.write(&format!("{name}.csv"), series.csv().as_bytes())?;
+        }
+        if let Some(figure) = drawing::figure(input, data) {
+            self.directory.write(&format!("{item}.svg"), figure.svg().as_bytes())?;
         }
         let drawn = study.definition.item.names().into_iter().map(str::to_owned);
         let drawn: Vec<String> =

@@ -190,6 +190,48 @@ pub enum LayerInput {
     },
 }
 
+impl LayerInput {
+    /// The series that it shows.
+    pub fn series(&self) -> &str {
+        match self {
+            Self::Points { series, .. }
+            | Self::Line { series, .. }
+            | Self::Histogram { series, .. }
+            | Self::Slope { series, .. }
+            | Self::PowerLaw { series, .. } => series,
+        }
+    }
+
+    /// What the legend calls it. Layers of one label have one color throughout the item.
+    pub fn label(&self) -> &str {
+        match self {
+            Self::Points { label, .. }
+            | Self::Line { label, .. }
+            | Self::Histogram { label, .. }
+            | Self::Slope { label, .. }
+            | Self::PowerLaw { label, .. } => label,
+        }
+    }
+
+    /// Whether it shows the points of a series rather than a line to compare them with.
+    pub fn is_data(&self) -> bool {
+        matches!(self, Self::Points { .. } | Self::Line { .. } | Self::Histogram { .. })
+    }
+}
+
+impl ItemInput {
+    /// The place of a label among all labels of the item.
+    pub fn place_of(&self, label: &str) -> usize {
+        let mut labels: Vec<&str> = Vec::new();
+        for (_, layer) in self.panel.iter().flat_map(|(_, panel)| panel.layer.iter()) {
+            if !labels.contains(&layer.label()) {
+                labels.push(layer.label());
+            }
+        }
+        labels.iter().position(|own| *own == label).unwrap_or(0)
+    }
+}
+
 /// Named entries in the order in which the file has them.
 #[derive(Debug, Clone)]
 pub struct InOrder<T>(pub Vec<(String, T)>);

@@ -8,6 +8,7 @@ pub mod claim;
 pub mod collect;
 mod comparison;
 pub mod definition;
+pub mod drawing;
 mod fit;
 pub mod library;
 pub mod point;
@@ -18,7 +19,7 @@ pub mod table;
 pub mod verdict;
 
 use claim::{Claim, ClaimsInput};
-use definition::{InOrder, ItemInput, LayerInput, PanelInput, SeriesInput, StudyInput};
+use definition::{InOrder, ItemInput, SeriesInput, StudyInput};
 use library::Source;
 use mesoflux_io::input::InputError;
 use std::path::Path;
@@ -119,7 +120,8 @@ impl Study {
                 known.push(series);
             }
             for (panel, input) in item.panel.iter() {
-                if let Some(unknown) = drawn(input).find(|series| !known.contains(series)) {
+                let mut drawn = input.layer.iter().map(|(_, layer)| layer.series());
+                if let Some(unknown) = drawn.find(|series| !known.contains(series)) {
                     return wrong(place(&format!("panel.{panel}")), &format!("no series `{unknown}`"));
                 }
             }
@@ -139,17 +141,6 @@ impl Study {
         }
         Ok(())
     }
-}
-
-/// The series that a panel draws.
-fn drawn(panel: &PanelInput) -> impl Iterator<Item = &str> {
-    panel.layer.iter().map(|(_, layer)| match layer {
-        LayerInput::Points { series, .. }
-        | LayerInput::Line { series, .. }
-        | LayerInput::Histogram { series, .. }
-        | LayerInput::Slope { series, .. }
-        | LayerInput::PowerLaw { series, .. } => series.as_str(),
-    })
 }
 
 #[cfg(test)]
