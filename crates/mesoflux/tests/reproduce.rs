@@ -338,7 +338,13 @@ fn a_wrong_study_is_refused_before_anything_runs() {
 fn what_the_runs_do_not_measure_is_refused() {
     let folder = study();
     folder.write("mine/study.toml", STUDY.replace("of = \"mobility/nemd\"", "of = \"mobility/norton\""));
-    refused(&folder, "mine --out out", 2, &["series `mobility`: the input measures no mobility/norton"]);
+    refused(
+        &folder,
+        "mine --out out",
+        2,
+        &["item.figure-1.series.mobility", "\"mobility/norton\": the input fluid measures no such thing"],
+    );
+    assert!(!folder.file("out").exists());
     folder.write("mine/study.toml", STUDY.replace("y = \"flux\", where", "y = \"fluxes\", where"));
     refused(&folder, "mine --out out", 2, &["series `flux`: there is no `fluxes` in mobility-nemd.csv"]);
 }

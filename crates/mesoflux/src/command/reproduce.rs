@@ -4,7 +4,7 @@ use super::session::{Failure, Options, RESULTS, STATES, Session, Workplace, plan
 use crate::plan::Plan;
 use crate::study::claim::Data;
 use crate::study::collect::{self, Finished};
-use crate::study::definition::ItemInput;
+use crate::study::definition::{ItemInput, SeriesInput};
 use crate::study::point::StudyPoint;
 use crate::study::runs::FinishedRuns;
 use crate::study::verdict::{Judged, replaced};
@@ -13,6 +13,7 @@ use clap::Args;
 use mesoflux_io::directory::{DirectoryError, Lock, OutputDirectory};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `reproduce`.
@@ -37,7 +38,7 @@ pub(super) fn catalog() -> String {
     for study in library::names().into_iter().filter_map(|name| library::published(name).ok().flatten()) {
         text += &format!("{}: {}\n", study.name, study.definition.title);
         let width = study.definition.item.names().iter().map(|name| name.len()).max().unwrap_or(0);
-        for (name, item) in study.definition.item.iter() {
+        for (name, item) in &study.definition.item {
             text += &format!("  {name:<width$}  {}\n", item.title);
         }
         text.push('\n');
@@ -46,27 +47,31 @@ pub(super) fn catalog() -> String {
             A study is a directory with study.toml, claims.toml and inputs/; the published ones are in studies/ of the source."
 }
 
+/// Inputs and what they do, by the inputs' names.
+type Points = BTreeMap<String, (StudyPoint, Plan)>;
+
 pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
     let (study, item) = library::find(&arguments.study)?;
     let items: Vec<&(String, ItemInput)> =
         study.definition.item.iter().filter(|(name, _)| item.as_ref().is_none_or(|item| item == name)).collect();
     // Every input must be right before the first one runs.
-    let mut points = BTreeMap::new();
+    let mut points = Points::new();
     for name in items.iter().flat_map(|(_, item)| study.inputs(item)) {
         let point = StudyPoint::new(&study, &name, arguments.quick)?;
         let plan = planned(&point.file, &arguments.options)?;
         points.insert(name, (point, plan));
     }
+    items.iter().try_for_each(|(name, item)| check_estimates(name, item, &points))?;
     let place = Place::open(&study, arguments)?;
     let session = Session::begin(&arguments.options)?;
     let mut finished = Finished::new();
     let mut judged = place.verdicts()?;
     for (name, item) in items {
         for input in study.inputs(item) {
-            if !finished.contains_key(&input) {
-                let (point, plan) = &points[&input];
+            if let Entry::Vacant(place_for) = finished.entry(input) {
+                let (point, plan) = &points[place_for.key()];
                 let runs = place.run(name, point, plan, &session, &arguments.options);
-                finished.insert(input, runs.map_err(|failure| failure.resumable(&place.command))?);
+                place_for.insert(runs.map_err(|failure| failure.resumable(&place.command))?);
             }
         }
         let data = collect::series(item, &finished)?;
@@ -91,6 +96,23 @@ pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
         study.definition.title,
         report::table(&judged)
     ))
+}
+
+/// An estimate that no input measures is better refused now than after the runs.
+fn check_estimates(name: &str, item: &ItemInput, points: &Points) -> Result<(), Failure> {
+    for (series, input) in &item.series {
+        let SeriesInput::Estimates(wanted) = input else { continue };
+        for (point, plan) in wanted.input.0.iter().filter_map(|input| points.get(input)) {
+            let mut measured = plan.points.iter().flat_map(|point| &point.measurements);
+            if !measured.any(|own| format!("{}/{}", own.name, own.route.method()) == wanted.of) {
+                return Err(Failure::Refused(format!(
+                    "item.{name}.series.{series}: of = \"{}\": the input {} measures no such thing: must be MEASUREMENT/METHOD",
+                    wanted.of, point.name
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The verdicts.

@@ -17,7 +17,7 @@ pub type Finished = BTreeMap<String, FinishedRuns>;
 /// Runs that can't be read, or that know nothing of what is asked for.
 pub fn series(item: &ItemInput, finished: &Finished) -> Result<Data, StudyError> {
     let mut data = Data::new();
-    for (name, input) in item.series.iter() {
+    for (name, input) in &item.series {
         let wrong = |reason: String| StudyError::Wrong(format!("series `{name}`: {reason}"));
         let found = match input {
             SeriesInput::Estimates(wanted) => estimates(wanted, finished).map_err(wrong)?,
@@ -33,11 +33,7 @@ pub fn series(item: &ItemInput, finished: &Finished) -> Result<Data, StudyError>
 fn estimates(wanted: &FromRuns, finished: &Finished) -> Result<Series, String> {
     let mut collected = Collected::new(wanted);
     for runs in wanted.input.0.iter().filter_map(|name| finished.get(name)) {
-        let rows = runs.estimates(&wanted.of);
-        if rows.is_empty() {
-            return Err(format!("the input measures no {}: must be MEASUREMENT/METHOD", wanted.of));
-        }
-        rows.iter().try_for_each(|row| collected.add(row))?;
+        runs.estimates(&wanted.of).iter().try_for_each(|row| collected.add(row))?;
     }
     Ok(collected.finish())
 }

@@ -259,6 +259,15 @@ impl<T> InOrder<T> {
     }
 }
 
+impl<'a, T> IntoIterator for &'a InOrder<T> {
+    type Item = &'a (String, T);
+    type IntoIter = std::slice::Iter<'a, (String, T)>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for InOrder<T> {
     fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
         let entries = BTreeMap::<String, Spanned<T>>::deserialize(input)?;

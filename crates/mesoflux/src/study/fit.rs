@@ -75,7 +75,7 @@ const STEPS: usize = 200;
 /// Points that don't determine the parameters.
 pub fn fit_exponential(
     points: &[Point],
-    start: Vec<f64>,
+    start: &[f64],
     curve: impl Fn(&[f64], f64) -> Option<Curve>,
 ) -> Result<Fit, String> {
     if let Some(point) = points.iter().find(|p| !(p.x > 0.0 && (p.y_error > 0.0 || p.x_error > 0.0))) {
@@ -83,7 +83,7 @@ pub fn fit_exponential(
     }
     let undetermined = || format!("{} points don't determine {} parameters", points.len(), start.len());
     let at = |a: &[f64]| points.iter().map(|point| curve(a, point.x.ln())).collect::<Option<Vec<Curve>>>();
-    let mut parameters = start.clone();
+    let mut parameters = start.to_vec();
     for _ in 0..STEPS {
         let curves = at(&parameters).ok_or_else(undetermined)?;
         let residuals = points.iter().zip(&curves).map(|(point, curve)| point.y * (-curve.value).exp() - 1.0);

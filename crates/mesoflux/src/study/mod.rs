@@ -87,7 +87,7 @@ impl Study {
     /// The names of the inputs that an item needs, each once.
     pub fn inputs(&self, item: &ItemInput) -> Vec<String> {
         let mut names = Vec::new();
-        for (_, series) in item.series.iter() {
+        for (_, series) in &item.series {
             if let SeriesInput::Estimates(wanted) | SeriesInput::Table(wanted) = series {
                 let new = wanted.input.0.iter().filter(|name| !names.contains(*name)).cloned().collect::<Vec<_>>();
                 names.extend(new);
@@ -102,13 +102,13 @@ impl Study {
         for name in self.definition.quick.keys() {
             self.source.text(&format!("inputs/{name}.toml"))?;
         }
-        for (name, item) in self.definition.item.iter() {
+        for (name, item) in &self.definition.item {
             let place = |inner: &str| format!("study.toml: item.{name}.{inner}");
             for input in self.inputs(item) {
                 self.source.text(&format!("inputs/{input}.toml"))?;
             }
             let mut known: Vec<&str> = Vec::new();
-            for (series, input) in item.series.iter() {
+            for (series, input) in &item.series {
                 let needed = match input {
                     SeriesInput::Ratio(ratio) => vec![&ratio.numerator, &ratio.denominator],
                     SeriesInput::Product(product) => vec![&product.of],
@@ -119,14 +119,14 @@ impl Study {
                 }
                 known.push(series);
             }
-            for (panel, input) in item.panel.iter() {
+            for (panel, input) in &item.panel {
                 let mut drawn = input.layer.iter().map(|(_, layer)| layer.series());
                 if let Some(unknown) = drawn.find(|series| !known.contains(series)) {
                     return wrong(place(&format!("panel.{panel}")), &format!("no series `{unknown}`"));
                 }
             }
         }
-        for (name, claim) in self.claims.iter() {
+        for (name, claim) in &self.claims {
             let place = || format!("claims.toml: claim.{name}");
             if let Some(fault) = claim.fault() {
                 return wrong(place(), fault);
@@ -152,7 +152,7 @@ mod tests {
         for name in library::names() {
             let study = library::published(name).unwrap().unwrap();
             assert!(!study.definition.item.0.is_empty(), "{name}");
-            for (item, input) in study.definition.item.iter() {
+            for (item, input) in &study.definition.item {
                 for name in study.inputs(input) {
                     for quick in [false, true] {
                         let point = point::StudyPoint::new(&study, &name, quick).unwrap();

@@ -52,7 +52,7 @@ pub fn page(study: &Study, judged: &[Judged], command: &str, drawn: &[String]) -
              A claim *holds* if the measured number lies within 2.5 standard errors of the expected one (z is that distance) and its \
              standard error is no larger than required; it *fails* if |z| > 2.5. Otherwise these runs cannot tell. \
              Where a bound is expected, z is the distance beyond it, and the required error at most the distance from it over 2.5.\n";
-    for (name, item) in study.definition.item.iter() {
+    for (name, item) in &study.definition.item {
         let own: Vec<&Judged> = judged.iter().filter(|entry| entry.item == *name).collect();
         text += &format!("\n## {name}: {}\n\n", item.title);
         if drawn.contains(name) {

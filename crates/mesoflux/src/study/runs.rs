@@ -59,6 +59,9 @@ impl FinishedRuns {
     }
 
     /// The rows of a table at every point of the sweep, and the names of those that the runs didn't write.
+    ///
+    /// # Errors
+    /// A table that can't be read.
     pub fn table(&self, name: &str) -> Result<(Vec<Row<'_>>, Vec<String>), StudyError> {
         let (mut found, mut absent) = (Vec::new(), Vec::new());
         for (index, input) in self.points.iter().enumerate() {

@@ -43,7 +43,7 @@ pub(super) fn line(points: &[Point]) -> Result<Fit, String> {
     let logs: Vec<f64> = positive.iter().map(|point| point.y.ln()).collect();
     let start = Fit::new(&rows, &logs, &vec![1.0; logs.len()]);
     let start = start.ok_or_else(|| format!("{} positive points don't determine an exponent", positive.len()))?;
-    fit_exponential(points, start.parameters, |a, x| {
+    fit_exponential(points, &start.parameters, |a, x| {
         Some(Curve { value: a[0] + a[1] * (x - middle), row: vec![1.0, x - middle], slope: a[1] })
     })
 }

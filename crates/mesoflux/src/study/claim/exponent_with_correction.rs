@@ -27,8 +27,8 @@ impl ExponentWithCorrection {
         let raw_error = raw.standard_error(1) * raw.excess().unwrap_or(1.0);
         let plain = format!("without the correction {}", value_with_error(raw.parameters[1], raw_error));
         let (middle, q) = (middle(&points), self.correction);
-        let start = vec![raw.parameters[0], raw.parameters[1], 0.0];
-        let fit = fit_exponential(&points, start, |a, x| {
+        let start = [raw.parameters[0], raw.parameters[1], 0.0];
+        let fit = fit_exponential(&points, &start, |a, x| {
             let power = (q * (x - middle)).exp();
             let factor = 1.0 + a[2] * power;
             let share = power / factor;
