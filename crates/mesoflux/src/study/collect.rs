@@ -103,7 +103,8 @@ impl<'a> Collected<'a> {
             (Some(x), Some(x_error), Some((y, y_error))) if y.is_finite() && y_error.is_finite() => {
                 self.points.push(Point { x, x_error, y, y_error });
             }
-            _ => self.missing.push(Missing { x, reason: row.trouble.clone() }),
+            // A row's number says nothing to a reader.
+            _ => self.missing.push(Missing { x: x.filter(|_| self.wanted.x.is_some()), reason: row.trouble.clone() }),
         }
         Ok(())
     }
