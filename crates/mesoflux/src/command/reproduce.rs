@@ -56,7 +56,7 @@ pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
         study.definition.item.iter().filter(|(name, _)| item.as_ref().is_none_or(|item| item == name)).collect();
     // Every input must be right before the first one runs.
     let mut points = Points::new();
-    for name in items.iter().flat_map(|(_, item)| study.inputs(item)) {
+    for name in items.iter().flat_map(|(_, item)| item.inputs()) {
         let point = StudyPoint::new(&study, &name, arguments.quick)?;
         let plan = planned(&point.file, &arguments.options)?;
         points.insert(name, (point, plan));
@@ -67,7 +67,7 @@ pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
     let mut finished = Finished::new();
     let mut judged = place.verdicts()?;
     for (name, item) in items {
-        for input in study.inputs(item) {
+        for input in item.inputs() {
             if let Entry::Vacant(place_for) = finished.entry(input) {
                 let (point, plan) = &points[place_for.key()];
                 let runs = place.run(name, point, plan, &session, &arguments.options);

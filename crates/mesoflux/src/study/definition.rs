@@ -220,6 +220,21 @@ impl LayerInput {
 }
 
 impl ItemInput {
+    /// The names of the inputs that it needs, each once.
+    pub fn inputs(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for (_, series) in &self.series {
+            if let SeriesInput::Estimates(wanted) | SeriesInput::Table(wanted) = series {
+                for name in &wanted.input.0 {
+                    if !names.contains(name) {
+                        names.push(name.clone());
+                    }
+                }
+            }
+        }
+        names
+    }
+
     /// The place of a label among all labels of the item.
     pub fn place_of(&self, label: &str) -> usize {
         let mut labels: Vec<&str> = Vec::new();

@@ -84,18 +84,6 @@ impl Study {
         })
     }
 
-    /// The names of the inputs that an item needs, each once.
-    pub fn inputs(&self, item: &ItemInput) -> Vec<String> {
-        let mut names = Vec::new();
-        for (_, series) in &item.series {
-            if let SeriesInput::Estimates(wanted) | SeriesInput::Table(wanted) = series {
-                let new = wanted.input.0.iter().filter(|name| !names.contains(*name)).cloned().collect::<Vec<_>>();
-                names.extend(new);
-            }
-        }
-        names
-    }
-
     /// Every name must be that of something.
     fn validate(&self) -> Result<(), StudyError> {
         let wrong = |place: String, reason: &str| Err(StudyError::Wrong(format!("{}, {place}: {reason}", self.name)));
@@ -104,7 +92,7 @@ impl Study {
         }
         for (name, item) in &self.definition.item {
             let place = |inner: &str| format!("study.toml: item.{name}.{inner}");
-            for input in self.inputs(item) {
+            for input in item.inputs() {
                 self.source.text(&format!("inputs/{input}.toml"))?;
             }
             let mut known: Vec<&str> = Vec::new();
@@ -153,7 +141,7 @@ mod tests {
             let study = library::published(name).unwrap().unwrap();
             assert!(!study.definition.item.0.is_empty(), "{name}");
             for (item, input) in &study.definition.item {
-                for name in study.inputs(input) {
+                for name in input.inputs() {
                     for quick in [false, true] {
                         let point = point::StudyPoint::new(&study, &name, quick).unwrap();
                         assert!(!point.file.input.measure.is_empty(), "{item}: {name} measures nothing");
