@@ -76,12 +76,8 @@ impl Curve {
         };
         let curved = !self.fitted.is_empty();
         let mut layers = vec![line(&label, vec![end(reach[0]), (0.0, 0.0), end(reach[1])], curved)];
-        // The polynomial is odd.
-        for side in [-1.0, 1.0] {
-            let measured = self.points.iter().any(|point| point.forcing.0 * side > 0.0);
-            if curved && measured {
-                layers.push(line("", self.fitted.iter().map(|(x, y)| (side * x, side * y)).collect(), false));
-            }
+        if curved {
+            layers.push(line("", self.fitted.clone(), false));
         }
         let point = |of: &Response| Point { x: of.forcing.0, y: of.flux.0, x_error: of.forcing.1, y_error: of.flux.1 };
         if !self.points.is_empty() {
@@ -115,7 +111,10 @@ mod tests {
         Profile { measurement: "mobility".to_owned(), curves }
     }
 
-    fn lines(profile: &Profile) -> Vec<(String, Vec<(f64, f64)>, bool)> {
+    /// Label, points, whether dashed.
+    type Line = (String, Vec<(f64, f64)>, bool);
+
+    fn lines(profile: &Profile) -> Vec<Line> {
         let layers = profile.figure("").panels.remove(0).layers;
         let line = |layer| match layer {
             Layer::Line { label, points, dashed, .. } => Some((label, points, dashed)),
@@ -143,11 +142,10 @@ mod tests {
 
     #[test]
     fn negative_forcings_stay_negative() {
-        let profile = profile(&[-1.0, 0.5], 0.03, vec![(0.0, 0.0), (1.0, 0.025)]);
+        let profile = profile(&[-1.0, 0.5], 0.03, vec![(-1.0, -0.025), (0.5, 0.014)]);
         let lines = lines(&profile);
         assert!((lines[0].1[0].0 + 1.05).abs() < 1e-12 && lines[0].2, "{lines:?}");
-        assert_eq!(lines[1].1[1], (-1.0, -0.025));
-        assert_eq!(lines[2].1[1], (1.0, 0.025));
+        assert!(lines[1].0.is_empty() && lines[1].1[0] == (-1.0, -0.025) && !lines[1].2, "{lines:?}");
         let markers = profile.figure("").svg().matches("<circle").count();
         assert_eq!(markers, 3, "two points and the legend's");
     }

@@ -119,7 +119,7 @@ pub struct Outcome {
     pub table: Option<Table>,
     /// Points of the response curve, for a route that drives the fluid.
     pub response: Vec<Response>,
-    /// The response curve fitted to them as (forcing, flux), ascending from zero; empty where it is the straight line.
+    /// The response curve fitted to them as (forcing, flux), from end to end; empty where it is the straight line.
     pub fitted: Vec<(f64, f64)>,
 }
 

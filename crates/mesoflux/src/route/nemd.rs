@@ -55,15 +55,16 @@ pub(super) fn points(strengths: &[f64], responses: &[Estimate]) -> Option<Vec<Re
     strengths.iter().zip(responses).map(|(&x, response)| ResponsePoint::new(x, response)).collect()
 }
 
-/// y = αx + βx³ + … from x = 0 to the largest |x| of the points, as (x, y); empty for the straight line.
+/// y = αx + βx³ + … over the x of the points and zero, as (x, y); empty for the straight line.
 pub(super) fn fitted(curve: &ResponseCurve, points: &[ResponsePoint]) -> Vec<(f64, f64)> {
     const SEGMENTS: u32 = 60;
     if curve.order() < 2 {
         return Vec::new();
     }
-    let reach = points.iter().map(|point| point.x.abs()).fold(0.0, f64::max);
+    let low = points.iter().map(|point| point.x).fold(0.0, f64::min);
+    let high = points.iter().map(|point| point.x).fold(0.0, f64::max);
     let response = |x: f64| x * curve.polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * x * x + coefficient);
-    let x = (0..=SEGMENTS).map(|k| reach * f64::from(k) / f64::from(SEGMENTS));
+    let x = (0..=SEGMENTS).map(|k| low + (high - low) * f64::from(k) / f64::from(SEGMENTS));
     x.map(|x| (x, response(x))).collect()
 }
 
