@@ -43,7 +43,7 @@ fn table(wanted: &FromRuns, finished: &Finished) -> Result<Result<Series, String
     for runs in wanted.input.0.iter().filter_map(|name| finished.get(name)) {
         let (rows, absent) = runs.table(&wanted.of)?;
         let missing = |name| Missing { x: None, reason: format!("the runs could tell too little to write {name}") };
-        collected.missing.extend(absent.into_iter().map(missing));
+        collected.series.missing.extend(absent.into_iter().map(missing));
         if let Err(reason) = rows.iter().try_for_each(|row| collected.add(row)) {
             return Ok(Err(reason));
         }
@@ -55,15 +55,14 @@ fn table(wanted: &FromRuns, finished: &Finished) -> Result<Result<Series, String
 struct Collected<'a> {
     wanted: &'a FromRuns,
     only: Vec<(String, Option<Range>)>,
-    points: Vec<Point>,
-    missing: Vec<Missing>,
+    series: Series,
     rows: usize,
 }
 
 impl<'a> Collected<'a> {
     fn new(wanted: &'a FromRuns) -> Self {
         let only = leaves(&wanted.only).into_iter().map(|(name, value)| (name, Range::of(value))).collect();
-        Self { wanted, only, points: Vec::new(), missing: Vec::new(), rows: 0 }
+        Self { wanted, only, series: Series::default(), rows: 0 }
     }
 
     fn add(&mut self, row: &Row) -> Result<(), String> {
@@ -99,31 +98,43 @@ impl<'a> Collected<'a> {
             let variance: f64 = (0..values.len()).map(|k| (product(Some(k)) * values[k].1).powi(2)).sum();
             (product(None), variance.sqrt())
         });
+        // A row's number says nothing to a reader.
+        let place = x.filter(|_| self.wanted.x.is_some());
         match (x, x_error, y) {
             (Some(x), Some(x_error), Some((y, y_error))) if y.is_finite() && y_error.is_finite() => {
-                self.points.push(Point { x, x_error, y, y_error });
+                self.series.points.push(Point { x, x_error, y, y_error });
+                if !row.warning.is_empty() {
+                    let at = place.map_or_else(String::new, |x| format!(" at {x}"));
+                    self.series.warnings.push(format!("{}{at}: {}", self.wanted.of, row.warning));
+                }
             }
-            // A row's number says nothing to a reader.
-            _ => self.missing.push(Missing { x: x.filter(|_| self.wanted.x.is_some()), reason: row.trouble.clone() }),
+            _ => {
+                let unknown = || format!("{} has no number with an error there", self.wanted.of);
+                let reason = if row.warning.is_empty() { unknown() } else { row.warning.clone() };
+                self.series.missing.push(Missing { x: place, reason });
+            }
         }
         Ok(())
     }
 
     fn finish(self) -> Series {
-        Series::new(self.points, self.missing)
+        let Series { points, missing, warnings } = self.series;
+        Series { warnings, ..Series::new(points, missing) }
     }
 }
 
 fn ratio(data: &Data, numerator: &str, denominator: &str) -> Series {
     let parts = [numerator, denominator].map(|name| data.get(name).cloned().unwrap_or_default());
     let mut missing: Vec<Missing> = parts.iter().flat_map(|part| part.missing.clone()).collect();
-    match Comparison::new(&parts[0].points, &parts[1].points) {
+    let warnings = parts.iter().flat_map(|part| part.warnings.clone()).collect();
+    let series = match Comparison::new(&parts[0].points, &parts[1].points) {
         Ok(comparison) => Series::new(comparison.points, missing),
         Err(reason) => {
             missing.push(Missing { x: None, reason });
             Series::new(Vec::new(), missing)
         }
-    }
+    };
+    Series { warnings, ..series }
 }
 
 fn product_of(data: &Data, product: &ProductInput) -> Series {
@@ -134,5 +145,5 @@ fn product_of(data: &Data, product: &ProductInput) -> Series {
         let through_x = if product.power == 0.0 { 0.0 } else { product.power * p.y / p.x * p.x_error };
         Point { y: p.y * scale, y_error: scale.abs() * p.y_error.hypot(through_x), ..*p }
     };
-    Series::new(of.points.iter().map(scaled).collect(), of.missing)
+    Series { points: of.points.iter().map(scaled).collect(), ..of }
 }

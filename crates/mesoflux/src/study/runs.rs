@@ -18,8 +18,8 @@ pub struct FinishedRuns {
 pub struct Row<'a> {
     cells: Cells,
     input: &'a toml::Table,
-    /// Why there is no number, if that is known.
-    pub trouble: String,
+    /// What the run says beside the numbers, or why there are none.
+    pub warning: String,
 }
 
 impl Row<'_> {
@@ -77,7 +77,7 @@ impl FinishedRuns {
                 continue;
             }
             let text = std::fs::read_to_string(&path).map_err(|source| StudyError::read(&path, source))?;
-            let row = |cells| Row { cells, input, trouble: format!("{name} has no number there") };
+            let row = |cells| Row { cells, input, warning: String::new() };
             found.extend(rows(&text).into_iter().map(row));
         }
         Ok((found, absent))
@@ -93,5 +93,5 @@ fn estimate<'a>(record: &Value, input: &'a toml::Table) -> Row<'a> {
     cells.extend(conditions.filter(|(_, value)| value.is_number()).map(|(name, value)| (name.clone(), exact(value))));
     let warnings = record["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
     let warnings: Vec<&str> = warnings.collect();
-    Row { cells, input, trouble: warnings.join("; ") }
+    Row { cells, input, warning: warnings.join("; ") }
 }

@@ -31,13 +31,15 @@ pub struct Series {
     pub points: Vec<Point>,
     /// Those that the runs couldn't tell.
     pub missing: Vec<Missing>,
+    /// What the runs warn of where they could tell.
+    pub warnings: Vec<String>,
 }
 
 impl Series {
     /// A series of some points.
     pub fn new(mut points: Vec<Point>, missing: Vec<Missing>) -> Self {
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        Self { points, missing }
+        Self { points, missing, warnings: Vec::new() }
     }
 
     /// The points in a window of x, or all of them.

@@ -81,11 +81,19 @@ pub struct Finding {
 pub type Data = BTreeMap<String, Series>;
 
 impl Kind {
-    /// Measures it.
+    /// Measures it; what the runs warn of is noted.
     ///
     /// # Errors
     /// Why it can't be told.
     pub fn measure(&self, data: &Data) -> Result<Finding, String> {
+        let mut finding = self.number(data)?;
+        for series in self.series().into_iter().filter_map(|name| data.get(name)) {
+            finding.notes.extend(series.warnings.iter().cloned());
+        }
+        Ok(finding)
+    }
+
+    fn number(&self, data: &Data) -> Result<Finding, String> {
         match self {
             Self::Value(kind) => kind.measure(data),
             Self::Agreement(kind) => kind.measure(data),
