@@ -16,3 +16,4 @@ pub mod response_figure;
 pub mod route;
 mod setup;
 pub mod store;
+pub mod study;

@@ -143,7 +143,7 @@ fn point(record: &EstimateRecord, results: &Results) -> String {
 }
 
 /// Columns of equal width, the header underlined.
-fn columns(rows: &[Vec<String>]) -> String {
+pub(crate) fn columns(rows: &[Vec<String>]) -> String {
     let count = rows.first().map_or(0, Vec::len);
     let widths: Vec<usize> =
         (0..count).map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0)).collect();

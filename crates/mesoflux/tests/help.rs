@@ -26,7 +26,7 @@ fn help() {
 
 #[test]
 fn help_of_each_command() {
-    for command in ["run", "resume", "check"] {
+    for command in ["run", "resume", "check", "reproduce"] {
         compare(&format!("{command} --help"), &format!("help-{command}.txt"));
     }
 }

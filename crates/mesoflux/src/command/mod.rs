@@ -1,6 +1,7 @@
 //! The commands, one file each, and what they share: failures with their exit codes, and doing a job in a directory.
 
 mod check;
+mod reproduce;
 mod resume;
 mod run;
 mod session;
@@ -18,6 +19,9 @@ pub enum Command {
     Resume(resume::Arguments),
     /// Check an input file and print what would run, the memory and the time it takes; nothing is written
     Check(check::Arguments),
+    /// Rerun a published study and compare it with what was claimed, number by number
+    #[command(after_help = reproduce::catalog())]
+    Reproduce(reproduce::Arguments),
 }
 
 impl Command {
@@ -30,6 +34,7 @@ impl Command {
             Self::Run(arguments) => run::run(arguments),
             Self::Resume(arguments) => resume::resume(&arguments),
             Self::Check(arguments) => check::check(&arguments),
+            Self::Reproduce(arguments) => reproduce::reproduce(&arguments),
         }
     }
 }

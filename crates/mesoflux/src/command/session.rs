@@ -7,13 +7,15 @@ use crate::prediction;
 use crate::progress::Progress;
 use crate::report;
 use crate::store::{Cadence, Store, StoreError};
+use crate::study::StudyError;
 use clap::Args;
 use mesoflux_io::directory::{DirectoryError, Lock, OutputDirectory};
 use mesoflux_io::input::{Files, InputError, InputFile, Invalid};
+use mesoflux_io::results::Results;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// The directory of the runs' states within a run's directory.
@@ -38,10 +40,10 @@ pub(super) struct Options {
     max_wall: Option<Duration>,
     /// Print neither progress nor results
     #[arg(long)]
-    quiet: bool,
+    pub quiet: bool,
     /// Print the results as JSON on standard output, and nothing else there
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 /// Everything that can go wrong, by exit code.
@@ -76,18 +78,19 @@ pub enum Failure {
         /// What it lacks.
         reason: String,
     },
+    /// A study is wrong or can't be read.
+    #[error("{0}")]
+    Study(#[from] StudyError),
     /// The file system failed under way; what was written before is whole.
-    #[error(
-        "{failure}\nwhat was kept before is whole; once this is put right, go on with: mesoflux resume {directory}"
-    )]
+    #[error("{failure}\nwhat was kept before is whole; once this is put right, go on with: {command}")]
     Resumable {
         /// What failed.
         failure: Box<Self>,
-        /// Where.
-        directory: String,
+        /// How to go on.
+        command: String,
     },
     /// Stopped before the end; everything done is kept.
-    #[error("stopped; to go on: mesoflux resume {0}")]
+    #[error("stopped; to go on: {0}")]
     Stopped(String),
 }
 
@@ -97,11 +100,13 @@ impl Failure {
     pub fn code(&self) -> u8 {
         match self {
             Self::Input(InputError::Wrong(_))
+            | Self::Study(StudyError::Wrong(_) | StudyError::Input(InputError::Wrong(_)))
             | Self::Directory(DirectoryError::Exists(_))
             | Self::Refused(_)
             | Self::Job(JobError::Setup { .. } | JobError::Overlap { .. } | JobError::Threads(_)) => 2,
             Self::Job(JobError::Simulation { .. } | JobError::Route { .. }) => 3,
             Self::Input(InputError::Read { .. })
+            | Self::Study(StudyError::Read { .. } | StudyError::Input(InputError::Read { .. }))
             | Self::Job(JobError::Store { .. } | JobError::Snapshot { .. } | JobError::Recorder { .. })
             | Self::Directory(DirectoryError::Io { .. } | DirectoryError::InUse { .. })
             | Self::NoRun { .. }
@@ -113,18 +118,14 @@ impl Failure {
         }
     }
 
-    /// Adds the way to go on, where the file system may be at fault for the moment only.
-    fn in_directory(self, directory: &OutputDirectory) -> Self {
+    /// Adds the command to go on with, where the file system may be at fault for the moment only.
+    pub(super) fn resumable(self, command: &str) -> Self {
         let temporary = matches!(
             self,
             Self::Directory(DirectoryError::Io { .. })
                 | Self::Job(JobError::Store { source: StoreError::Directory(_), .. })
         );
-        if temporary {
-            Self::Resumable { failure: Box::new(self), directory: shell_word(directory.path()) }
-        } else {
-            self
-        }
+        if temporary { Self::Resumable { failure: Box::new(self), command: command.to_owned() } } else { self }
     }
 }
 
@@ -196,13 +197,47 @@ pub(super) enum Outcome {
     NothingToDo,
 }
 
-/// Does the job of an input in a directory, from whatever states are there.
-pub(super) fn perform_in(
+/// What one process may use until it is told to stop, for one job or for several in turn.
+#[derive(Debug)]
+pub(super) struct Session {
+    threads: usize,
+    stop: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+    quiet: bool,
+}
+
+impl Session {
+    /// Begins now; from here on signals stop the session.
+    pub(super) fn begin(options: &Options) -> Result<Self, Failure> {
+        Ok(Self {
+            threads: threads(options.threads),
+            stop: stop_at_signals()?,
+            deadline: options.max_wall.map(|wall| Instant::now() + wall),
+            quiet: options.quiet,
+        })
+    }
+
+    /// Whether nothing more may begin.
+    pub(super) fn is_over(&self) -> bool {
+        self.stop.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}
+
+/// What a job has left in its directory.
+pub(super) struct Done {
+    /// The results.
+    pub results: Results,
+    json: String,
+    advanced: bool,
+}
+
+/// Does the job of an input in a directory, from whatever states are there, and writes down what came out; nothing is printed.
+pub(super) fn work_in(
     workplace: &Workplace,
     file: &InputFile,
     plan: &Plan,
-    options: &Options,
-) -> Result<Outcome, Failure> {
+    session: &Session,
+) -> Result<Done, Failure> {
     let start = Instant::now();
     let directory = &workplace.directory;
     let cadence = Cadence {
@@ -210,47 +245,65 @@ pub(super) fn perform_in(
         wall: Duration::from_secs_f64(file.input.run.checkpoint_wall_seconds),
     };
     let store = Store::new(workplace.states.clone(), cadence);
-    let threads = threads(options.threads);
     let steps = plan.tasks().iter().map(|task| plan.points[task.point].steps()).sum();
-    let progress = Progress::new(steps, options.quiet);
-    let stop = stop_at_signals()?;
-    let deadline = options.max_wall.map(|wall| start + wall);
-    let conduct = Conduct { threads, store: Some(&store), stop: &stop, deadline, progress: &progress };
+    let progress = Progress::new(steps, session.quiet);
+    let &Session { threads, deadline, .. } = session;
+    let conduct = Conduct { threads, store: Some(&store), stop: &session.stop, deadline, progress: &progress };
     let finished = perform(plan, &conduct);
     progress.finish();
-    let finished = finished.map_err(|error| Failure::from(error).in_directory(directory))?;
+    let finished = finished?;
     let circumstances = Circumstances { threads, wall_seconds: start.elapsed().as_secs_f64() };
     let answer = answer(&file.input, plan, &finished, circumstances)?;
     let json = serde_json::to_string_pretty(&answer.results)? + "\n";
-    let write = || -> Result<(), DirectoryError> {
-        for (name, contents) in &answer.files {
-            directory.write(name, contents.as_bytes())?;
-        }
-        directory.write(RESULTS, json.as_bytes())
-    };
-    write().map_err(|error| Failure::from(error).in_directory(directory))?;
+    for (name, contents) in &answer.files {
+        directory.write(name, contents.as_bytes())?;
+    }
+    directory.write(RESULTS, json.as_bytes())?;
+    let advanced = finished.iter().any(|run| run.steps > run.steps_before);
+    Ok(Done { results: answer.results, json, advanced })
+}
+
+/// Does the job of an input in a directory and prints what came out.
+pub(super) fn perform_in(
+    workplace: &Workplace,
+    file: &InputFile,
+    plan: &Plan,
+    options: &Options,
+) -> Result<Outcome, Failure> {
+    let resume = format!("mesoflux resume {}", shell_word(workplace.directory.path()));
+    let session = Session::begin(options)?;
+    let Done { results, json, advanced } =
+        work_in(workplace, file, plan, &session).map_err(|failure| failure.resumable(&resume))?;
     let mut text = String::new();
     if options.json {
         text = json;
     } else if !options.quiet {
-        let place = directory.path().join(RESULTS);
-        let seconds = circumstances.wall_seconds;
-        text = report::table(&answer.results);
-        text += &format!("\n{seconds:.1} s on {threads} threads; results in {}\n", place.display());
+        let place = workplace.directory.path().join(RESULTS);
+        text = report::table(&results);
+        text += &format!(
+            "\n{:.1} s on {} threads; results in {}\n",
+            results.wall_seconds,
+            results.threads,
+            place.display()
+        );
     }
     if options.json || options.quiet {
         // A damaged file never passes in silence.
-        tell(report::remarks(&answer.results).trim_end());
+        tell(report::remarks(&results).trim_end());
     }
-    let mut output = std::io::stdout().lock();
-    let printed = output.write_all(text.as_bytes()).and_then(|()| output.flush()).map_err(Failure::Output);
-    if !answer.results.complete {
+    let printed = print(&text);
+    if !results.complete {
         // Even where a closed terminal takes no results.
-        return Err(Failure::Stopped(shell_word(directory.path())));
+        return Err(Failure::Stopped(resume));
     }
     printed?;
-    let advanced = finished.iter().any(|run| run.steps > run.steps_before);
     Ok(if advanced { Outcome::Advanced } else { Outcome::NothingToDo })
+}
+
+/// Writes to standard output.
+pub(super) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = std::io::stdout().lock();
+    output.write_all(text.as_bytes()).and_then(|()| output.flush()).map_err(Failure::Output)
 }
 
 /// How many threads to use where the command line says so many, or none.
