@@ -1,6 +1,6 @@
 //! Diffusion and mobility from the mean squared displacement of an equilibrium run.
 
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cell, relaxation};
 use mesoflux_analysis::{AnalysisError, MeanSquaredDisplacement};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::vector::Vector;
@@ -47,7 +47,7 @@ impl Route for MeanSquaredDisplacementRoute {
         let diffusion = displacement.diffusion_coefficient();
         let particles = input.particles() as f64;
         let factor = particles / (particles - 1.0) / input.dynamics.temperature;
-        let estimate = if self.mobility { diffusion.estimate.scaled(factor) } else { diffusion.estimate };
+        let estimate = if self.mobility { diffusion.estimate.scaled(factor) } else { diffusion.estimate.clone() };
         let mut conditions = Conditions::new();
         if let Some((from, to)) = diffusion.window {
             conditions.insert("fit_from".to_owned(), from.into());
@@ -56,9 +56,12 @@ impl Route for MeanSquaredDisplacementRoute {
         let rows = displacement
             .curve()
             .into_iter()
-            .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
+            .filter_map(|(time, point)| Some(vec![time, point.value?, cell(point.standard_error)]));
         let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
-        Ok(Outcome { estimate, conditions, table: Some(Table::new(header, rows.collect())), response: Vec::new() })
+        let tables = vec![("", Table::new(header, rows.collect()))];
+        let mut outcome = Outcome { estimate, conditions, tables, response: Vec::new() };
+        relaxation::report(&mut outcome, input, &diffusion.estimate);
+        Ok(outcome)
     }
 }
 
