@@ -100,9 +100,9 @@ fn there_is_one_run_for_each_strength_and_replica() {
         r"equilibrium {}",
         r#"nemd {"magnitude":4.0}"#,
         r#"nemd {"magnitude":8.0}"#,
-        r#"norton {"flux":2.0}"#,
         r#"norton {"flux":0.0}"#,
         r#"norton {"flux":0.3}"#,
+        r#"norton {"flux":2.0}"#,
     ] {
         expected.extend((0..2).map(|replica| format!("{kind} {replica}")));
     }

@@ -95,15 +95,15 @@ impl FlowReader {
 ///
 /// Nothing is lost to the velocity of the few particles that are there at an instant, whose fluctuations are thermal. The
 /// total momentum is fixed: a particle has 3(1 − m/M) degrees of freedom.
-fn temperature(layer: &Blocking, total_mass_density: f64) -> Estimate {
-    let degrees = |mean: &[f64]| 3.0 * (mean[COUNT] - mean[MASS] / total_mass_density);
+fn temperature(layer: &Blocking, total_mass: f64) -> Estimate {
+    let degrees = |mean: &[f64]| 3.0 * (mean[COUNT] - mean[MASS] / total_mass);
     let value = |mean: &[f64]| (mean[ENERGY] - mean[MOMENTUM].powi(2) / mean[MASS]) / degrees(mean);
     layer.function(value, |mean| {
         let (velocity, degrees, temperature) = (mean[MOMENTUM] / mean[MASS], degrees(mean), value(mean));
         let mut gradient = vec![0.0; NUMBERS];
         gradient[ENERGY] = 1.0 / degrees;
         gradient[MOMENTUM] = -2.0 * velocity / degrees;
-        gradient[MASS] = (velocity * velocity + 3.0 * temperature / total_mass_density) / degrees;
+        gradient[MASS] = (velocity * velocity + 3.0 * temperature / total_mass) / degrees;
         gradient[COUNT] = -3.0 * temperature / degrees;
         gradient
     })
@@ -119,9 +119,8 @@ pub(super) fn report<W: Way>(
 ) {
     let (sides, layers) = (input.sides(), profiles.first().map_or(0, |layers| layers.len()));
     let thickness = sides[gradient] / layers as f64;
-    let mass: f64 = input.masses().iter().zip(input.species_counts()).map(|(mass, count)| mass * count as f64).sum();
-    // As recorded: over the volume of a layer.
-    let total_mass_density = mass * layers as f64 / sides.iter().product::<f64>();
+    let masses = input.masses().into_iter().zip(input.species_counts());
+    let total_mass = masses.map(|(mass, count)| mass * count as f64).sum();
     let faces = (strengths.len() * layers) as f64;
     let mut rows = Vec::new();
     let (mut worst, mut violated) = (0.0f64, false);
@@ -136,7 +135,7 @@ pub(super) fn report<W: Way>(
             let mut row = vec![strength, (index as f64 + 0.5) * thickness];
             row.extend(cells(&layer.component(COUNT)));
             row.extend(cells(&layer.ratio(MOMENTUM, MASS)));
-            row.extend(cells(&temperature(layer, total_mass_density)));
+            row.extend(cells(&temperature(layer, total_mass)));
             row.extend(cells(&layer.component(STRESS)));
             row.push((index as f64 + 1.0) * thickness);
             row.extend(cells(&layer.component(GRADIENT)));

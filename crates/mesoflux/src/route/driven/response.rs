@@ -130,3 +130,74 @@ pub(super) fn histogram<W: Way>(outcome: &mut Outcome, strengths: &[f64], record
     ];
     outcome.tables.push(("histogram", Table::new(header, rows)));
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::super::{Nemd, Norton};
+    use super::*;
+    use mesoflux_analysis::Blocking;
+
+    /// A series x' = φx + √(1 − φ²) ξ about a mean, as a driven run would record it.
+    fn recorded<W: Way>(mean: f64, deviation: f64, memory: f64, seed: u64) -> DrivenRecord {
+        let mut series = Blocking::new(4).unwrap();
+        let mut state = seed;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+        };
+        let mut x = 0.0;
+        for _ in 0..400_000 {
+            let normal = (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+            x = memory * x + (1.0 - memory * memory).sqrt() * normal;
+            let answer = mean + deviation * x;
+            let mut sample = [0.7, 0.7, 1.0, answer * answer];
+            sample[W::PLACE] = answer;
+            series.record(&sample).unwrap();
+        }
+        DrivenRecord { series, autocorrelation: None, histogram: None, profile: Vec::new() }
+    }
+
+    /// Variance s², correlation time Δt (1 + φ)/(1 − φ)/2 and asymptotic variances of a first-order autoregressive series.
+    fn check<W: Way>(strength: f64, mean: f64, estimator: impl Fn(f64) -> f64) {
+        let (deviation, memory, spacing) = (0.3, 0.9, 0.02);
+        let time = 0.5 * spacing * (1.0 + memory) / (1.0 - memory);
+        let asymptotic = 2.0 * deviation * deviation * time;
+        let mut squares = [0.0; 5];
+        for seed in 0..8 {
+            let record = recorded::<W>(mean, deviation, memory, seed);
+            let table = table::<W>(&[strength], &[&record], spacing, false).unwrap();
+            let row = &table.rows[0];
+            let expected = [mean, deviation * deviation, time, asymptotic, estimator(asymptotic)];
+            for (k, (column, expected)) in [1, 4, 6, 8, 10].into_iter().zip(expected).enumerate() {
+                let z = (row[column] - expected) / row[column + 1];
+                assert!(
+                    z.abs() < 4.0,
+                    "{}: {} ± {} for {expected}",
+                    table.header[column],
+                    row[column],
+                    row[column + 1]
+                );
+                squares[k] += z * z / 8.0;
+            }
+        }
+        // Eight squares have a mean of 1 ± 0.5; the errors of a variance by blocks have few degrees of freedom.
+        assert!(squares.iter().all(|square| (0.1..3.0).contains(square)), "{squares:?}");
+    }
+
+    #[test]
+    fn fluctuations_of_a_series_that_is_known() {
+        // σ²/η² (eq. 90) and r²σ²/⟨λ⟩⁴ (eq. 92).
+        check::<Nemd>(2.0, 1.5, |variance| variance / 4.0);
+        check::<Norton>(1.5, 2.0, |variance| 1.5 * 1.5 * variance / 16.0);
+    }
+
+    #[test]
+    fn what_cannot_be_told_is_no_number() {
+        let mut series = Blocking::new(4).unwrap();
+        [1.0, 2.0, 3.0].iter().for_each(|x| series.record(&[*x, 1.0, 1.0, x * x]).unwrap());
+        let record = DrivenRecord { series, autocorrelation: None, histogram: None, profile: Vec::new() };
+        let row = &table::<Nemd>(&[1.0], &[&record], 0.1, false).unwrap().rows[0];
+        assert!(row[4..].iter().all(|number| number.is_nan()) && row[1] == 2.0, "{row:?}");
+    }
+}
