@@ -150,7 +150,7 @@ pub struct EstimateRecord {
     pub conditions: Conditions,
     /// What a reader must know.
     pub warnings: Vec<String>,
-    /// A table beside the results, by its file name.
+    /// The table beside the results, by its file name; further ones have names that begin alike.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
 }
@@ -174,7 +174,7 @@ impl EstimateRecord {
 pub struct Table {
     /// The name of each column with its units, `time [t]`.
     pub header: Vec<String>,
-    /// As many numbers in each row.
+    /// As many numbers in each row; what can't be told is not a number (NaN).
     pub rows: Vec<Vec<f64>>,
 }
 
@@ -184,11 +184,12 @@ impl Table {
         Self { header: header.into_iter().map(Into::into).collect(), rows }
     }
 
-    /// The table as CSV.
+    /// The table as CSV; what can't be told is an empty field.
     pub fn csv(&self) -> String {
+        let field = |number: &f64| if number.is_finite() { format!("{number:.12e}") } else { String::new() };
         let mut text = self.header.join(",") + "\n";
         for row in &self.rows {
-            text += &row.iter().map(|number| format!("{number:.12e}")).collect::<Vec<_>>().join(",");
+            text += &row.iter().map(field).collect::<Vec<_>>().join(",");
             text.push('\n');
         }
         text

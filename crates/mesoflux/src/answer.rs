@@ -60,10 +60,11 @@ pub fn answer(
         for (mut record, outcome) in found {
             if let Some(outcome) = outcome {
                 Profile::collect(&mut profiles, &record, &outcome);
-                if let Some(table) = outcome.table {
-                    let name = format!("{}-{}{suffix}.csv", record.measurement, record.method);
+                for (part, table) in outcome.tables {
+                    let part = if part.is_empty() { String::new() } else { format!("-{part}") };
+                    let name = format!("{}-{}{part}{suffix}.csv", record.measurement, record.method);
                     files.push((name.clone(), table.csv()));
-                    record.table = Some(name);
+                    record.table.get_or_insert(name);
                 }
             }
             estimates.push(record);

@@ -46,6 +46,8 @@ pub struct CorrelationPoint {
     pub time: f64,
     /// C at this lag, averaged over a triangle of half-width 2^ℓ samples at level ℓ.
     pub correlation: Estimate,
+    /// C at this lag over C(0): their fluctuations in common don't count.
+    pub normalized: Estimate,
     /// ∫ w C dt with the window of [`MultipleTau::integral`] that ends at this lag.
     pub integral: Estimate,
     /// ½⟨ΔG_a ΔG_b⟩ with ΔG = ∫ x dt over a time of this length (equal pairs: half the mean squared Helfand displacement).
@@ -114,6 +116,13 @@ impl MultipleTau {
             Estimate::new(scale * functional.value, scale * scatter.standard_error, scatter.number)
         };
         let symmetric = self.is_symmetric();
+        let variance = evaluation.window(1, |_| 1.0);
+        let normalized = |correlation: &Functional, lag: u64| {
+            let mut ratio = correlation.clone();
+            ratio.add(&variance, -correlation.value / variance.value);
+            ratio.value = correlation.value;
+            estimate(&ratio, lag, variance.value.recip())
+        };
         let measured =
             evaluation.lags().take_while(|(lag, _)| evaluation.stretches(STRETCH * lag.max(&1)) >= STRETCHES);
         let point = |(lag, correlation): (u64, &Functional)| {
@@ -122,6 +131,7 @@ impl MultipleTau {
             CorrelationPoint {
                 time: lag as f64 * self.spacing,
                 correlation: estimate(correlation, lag, 1.0),
+                normalized: normalized(correlation, lag),
                 integral: estimate(&integral, lag, self.spacing),
                 helfand: if symmetric {
                     estimate(&helfand, lag, self.spacing * self.spacing)

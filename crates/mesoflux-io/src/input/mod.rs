@@ -451,15 +451,24 @@ impl TransverseCurrentInput {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NemdInput {
-    /// η, one number or several.
+    /// η, one number or several; at zero the fluid is in equilibrium.
     pub magnitude: Magnitudes,
+    /// Also the autocorrelation of R at every η.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub autocorrelation: Option<CorrelationInput>,
+    /// Also the probability density of R, counted at every step, at every η.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub histogram: Option<CountingInput>,
+    /// Also density, velocity, temperature and stress across the box, for a forcing that drives a shear flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<ProfileInput>,
 }
 
 /// `routes.norton`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NortonInput {
-    /// r, one number or several.
+    /// r, one number or several; at zero the mean forcing vanishes.
     pub flux: Magnitudes,
     /// How the flux is brought back after a letter has changed it.
     #[serde(default)]
@@ -467,4 +476,62 @@ pub struct NortonInput {
     /// Also average λ(q, p) of eq. 13 along the trajectory, an independent check of the booked multipliers.
     #[serde(default)]
     pub check_forcing_observable: bool,
+    /// Also the autocorrelation of λ at every r.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub autocorrelation: Option<CorrelationInput>,
+    /// Also the probability density of λ, counted at every step, at every r.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub histogram: Option<CountingInput>,
+    /// Also density, velocity, temperature and stress across the box, for a forcing that drives a shear flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<ProfileInput>,
+}
+
+/// `routes.nemd.profile` and `routes.norton.profile`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProfileInput {
+    /// Layers of equal thickness across the box, along the gradient.
+    #[serde(default = "ProfileInput::default_bins")]
+    pub bins: u64,
+}
+
+impl ProfileInput {
+    fn default_bins() -> u64 {
+        20
+    }
+}
+
+/// What a driven route records beside its response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrivenRecordings {
+    /// `autocorrelation`.
+    pub autocorrelation: Option<CorrelationInput>,
+    /// `histogram`.
+    pub histogram: Option<CountingInput>,
+    /// `profile`.
+    pub profile: Option<ProfileInput>,
+}
+
+impl DrivenRecordings {
+    /// Whether nothing is recorded beside.
+    pub fn are_none(&self) -> bool {
+        self.autocorrelation.is_none() && self.histogram.is_none() && self.profile.is_none()
+    }
+}
+
+impl NemdInput {
+    /// What is recorded beside R.
+    pub fn recordings(&self) -> DrivenRecordings {
+        let &Self { autocorrelation, histogram, profile, .. } = self;
+        DrivenRecordings { autocorrelation, histogram, profile }
+    }
+}
+
+impl NortonInput {
+    /// What is recorded beside λ.
+    pub fn recordings(&self) -> DrivenRecordings {
+        let &Self { autocorrelation, histogram, profile, .. } = self;
+        DrivenRecordings { autocorrelation, histogram, profile }
+    }
 }

@@ -125,13 +125,15 @@ impl RoutesInput {
 
 impl RoutesInput {
     /// The routes by a correlation in time.
-    fn correlations(&self) -> [(&'static str, Option<CorrelationInput>); 5] {
+    fn correlations(&self) -> [(&'static str, Option<CorrelationInput>); 7] {
         [
             ("vacf", self.vacf),
             ("green_kubo", self.green_kubo),
             ("green_kubo_total_stress", self.green_kubo_total_stress),
             ("einstein_helfand", self.einstein_helfand),
             ("correlation", self.correlation),
+            ("nemd.autocorrelation", self.nemd.as_ref().and_then(|nemd| nemd.autocorrelation)),
+            ("norton.autocorrelation", self.norton.as_ref().and_then(|norton| norton.autocorrelation)),
         ]
     }
 

@@ -4,7 +4,7 @@ use super::routes::rests_on_momentum;
 use super::structure::MOST_BINS;
 use super::validate::{Invalid, number, written};
 use super::wording::one_of;
-use super::{CountingInput, Input, MeasureInput, Quantity, RoutesInput};
+use super::{CountingInput, Input, MeasureInput, ProfileInput, Quantity, RoutesInput};
 use mesoflux_core::forcing::{Axis, ForcingChoice, ForcingError, ForcingKind, Wave};
 use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
 use mesoflux_core::potential::Requirement;
@@ -76,16 +76,8 @@ impl Input {
                 return Err(Invalid::new(format!("{path}.routes.{route}.sample_interval"), interval, requirement));
             }
         }
-        if let Some(CountingInput { range: [low, high], bins }) = routes.counting {
-            let place = format!("{path}.routes.counting");
-            if !(low.is_finite() && high.is_finite() && low < high) {
-                let requirement = "must be two finite numbers, the lower one first";
-                let value = format!("[{}, {}]", written(low), written(high));
-                return Err(Invalid::new(format!("{place}.range"), value, requirement));
-            }
-            if !(1..=MOST_BINS).contains(&bins) {
-                return Err(Invalid::new(format!("{place}.bins"), bins, format!("must be from 1 to {MOST_BINS}")));
-            }
+        if let Some(counting) = routes.counting {
+            validate_counting(&format!("{path}.routes.counting"), counting)?;
         }
         if let Some(0) = routes.transverse_current.map(|route| route.wavenumbers) {
             let place = format!("{path}.routes.transverse_current.wavenumbers");
@@ -105,9 +97,10 @@ impl Input {
 
     fn validate_driving(&self, path: &str, measure: &MeasureInput, routes: &RoutesInput) -> Result<(), Invalid> {
         self.validate_forcing(path, measure)?;
-        let magnitudes = routes.nemd.as_ref().map(|nemd| ("routes.nemd.magnitude", &nemd.magnitude));
-        let fluxes = routes.norton.as_ref().map(|norton| ("routes.norton.flux", &norton.flux));
-        for (key, values) in magnitudes.into_iter().chain(fluxes) {
+        let magnitudes = routes.nemd.as_ref().map(|nemd| ("nemd", "magnitude", &nemd.magnitude, nemd.recordings()));
+        let fluxes = routes.norton.as_ref().map(|norton| ("norton", "flux", &norton.flux, norton.recordings()));
+        for (route, key, values, recordings) in magnitudes.into_iter().chain(fluxes) {
+            let key = format!("routes.{route}.{key}");
             if measure.forcing.is_none() {
                 let example = if measure.quantity == Quantity::Mobility { "color_drift" } else { "sinusoidal" };
                 let requirement = format!("forcing is missing: {key} needs one, e.g. forcing = \"{example}\"");
@@ -130,6 +123,25 @@ impl Input {
                 }
                 if values.0[..index].contains(&value) {
                     return Err(Invalid::new(place, written(value), "must not be given twice"));
+                }
+            }
+            if values.0.iter().all(|&value| value == 0.0) && recordings.are_none() {
+                let requirement = "must hold a number that isn't zero, unless autocorrelation, histogram or profile is asked for: \
+                                   what is measured at zero tells no coefficient";
+                return Err(Invalid::new(format!("{path}.{key}"), "", requirement));
+            }
+            let place = format!("{path}.routes.{route}");
+            if let Some(counting) = recordings.histogram {
+                validate_counting(&format!("{place}.histogram"), counting)?;
+            }
+            if let Some(ProfileInput { bins }) = recordings.profile {
+                if !measure.forcing.is_some_and(ForcingKind::is_shear) {
+                    let requirement = "must be left out: only a forcing that drives a shear flow, such as \"sinusoidal\", has a profile";
+                    return Err(Invalid::new(format!("{place}.profile"), "", requirement));
+                }
+                if !(2..=MOST_BINS).contains(&bins) {
+                    let requirement = format!("must be from 2 to {MOST_BINS}");
+                    return Err(Invalid::new(format!("{place}.profile.bins"), bins, requirement));
                 }
             }
         }
@@ -178,6 +190,20 @@ impl Input {
             Invalid::new(format!("{path}.{key}"), "", error)
         })
     }
+}
+
+/// A range that holds something, in a number of bins that fits into memory.
+fn validate_counting(place: &str, counting: CountingInput) -> Result<(), Invalid> {
+    let CountingInput { range: [low, high], bins } = counting;
+    if !(low.is_finite() && high.is_finite() && low < high) {
+        let requirement = "must be two finite numbers, the lower one first";
+        let value = format!("[{}, {}]", written(low), written(high));
+        return Err(Invalid::new(format!("{place}.range"), value, requirement));
+    }
+    if !(1..=MOST_BINS).contains(&bins) {
+        return Err(Invalid::new(format!("{place}.bins"), bins, format!("must be from 1 to {MOST_BINS}")));
+    }
+    Ok(())
 }
 
 impl MeasureInput {

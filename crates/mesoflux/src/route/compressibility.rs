@@ -1,7 +1,7 @@
 //! The isothermal compressibility κ_T from the pressure at neighboring densities, and the speed of sound that follows from it.
 
 use super::average::StateRecorder;
-use super::{Outcome, Record, Route, RouteError, RouteRecorder, RunKind};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, RunKind, cell};
 use mesoflux_analysis::{Estimate, OrderChoice, ResponsePoint, fit_inverse_response};
 use mesoflux_core::observable::Thermodynamics;
 use mesoflux_io::input::Input;
@@ -92,15 +92,13 @@ impl Route for Derivative {
         for ((factor, pressure), record) in factors.zip(&pressures).zip(records) {
             let temperature = estimate(record, Self::TEMPERATURE)?;
             let numbers = [pressure.value, pressure.standard_error, temperature.value];
-            rows.push(
-                [Some(density * factor)].into_iter().chain(numbers).map(|number| number.unwrap_or(0.0)).collect(),
-            );
+            rows.push([Some(density * factor)].into_iter().chain(numbers).map(cell).collect());
         }
         rows.sort_by(|a: &Vec<f64>, b| a[0].total_cmp(&b[0]));
         let header = ["density [1/l^3]", "pressure [e/l^3]", "standard_error [e/l^3]", "kinetic_temperature [e]"];
         Ok(Outcome {
             conditions,
-            table: Some(Table::new(header, rows)),
+            tables: vec![("", Table::new(header, rows))],
             ..Outcome::of(self.wanted.of_compressibility(curve.coefficient, input))
         })
     }

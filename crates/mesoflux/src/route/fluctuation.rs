@@ -2,7 +2,7 @@
 
 use super::average::StateRecorder;
 use super::compressibility::Wanted;
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cells};
 use mesoflux_analysis::{Blocking, Estimate, polynomial_functionals};
 use mesoflux_core::observable::{Shell, shells, structure_factors};
 use mesoflux_io::input::{FluctuationInput, Input};
@@ -61,13 +61,13 @@ impl Route for Fluctuation {
         let conditions = Conditions::from([("fitted_powers".to_owned(), fit.len().into())]);
         let rows = shells.iter().enumerate().map(|(index, shell)| {
             let factor = series.component(index);
-            let numbers = [factor.value, factor.standard_error].map(|number| number.unwrap_or(0.0));
+            let numbers = cells(&factor);
             vec![shell.wave_number, numbers[0], numbers[1], shell.waves.len() as f64]
         });
         let header = ["wave_number [1/l]", "structure_factor [1]", "standard_error [1]", "wave_vectors [1]"];
         Ok(Outcome {
             conditions,
-            table: Some(Table::new(header, rows.collect())),
+            tables: vec![("", Table::new(header, rows.collect()))],
             ..Outcome::of(self.wanted.of_compressibility(estimate, input))
         })
     }

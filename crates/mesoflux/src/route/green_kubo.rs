@@ -1,7 +1,7 @@
 //! Viscosities from correlations of the stress (Green 1954, Kubo 1957; without noise: Ernst & Brito 2005, Jung & Schmid 2016).
 
 use super::correlation::{CorrelationRecorder, Correlations, Sample, Sampler, integral_conditions, interval};
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cells};
 use mesoflux_analysis::{CorrelationPoint, Integral, IntegralOptions, MultipleTau, Quadrature};
 use mesoflux_core::observable::Stress;
 use mesoflux_core::run::Moment;
@@ -233,13 +233,11 @@ impl Scale {
                 Running::Helfand => (point.helfand, factor / point.time.max(f64::MIN_POSITIVE)),
             };
             let numbers = [&point.correlation.scaled(1.0 / self.volume.powi(2)), &shown.scaled(factor)];
-            let columns = numbers.into_iter().flat_map(|number| [number.value, number.standard_error]);
-            let columns = columns.map(|number| number.unwrap_or(0.0));
-            std::iter::once(point.time).chain(columns).collect()
+            std::iter::once(point.time).chain(numbers.into_iter().flat_map(cells)).collect()
         };
         let header =
             ["time [t]", "correlation [p^2]", "standard_error [p^2]", "viscosity [p t]", "standard_error [p t]"];
-        outcome.table = Some(Table::new(header, function.table(quadrature).into_iter().map(row).collect()));
+        outcome.tables.push(("", Table::new(header, function.table(quadrature).into_iter().map(row).collect())));
         outcome
     }
 }

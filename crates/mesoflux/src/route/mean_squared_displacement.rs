@@ -1,6 +1,6 @@
 //! Diffusion and mobility from the mean squared displacement of an equilibrium run.
 
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cell, relaxation};
 use mesoflux_analysis::{AnalysisError, MeanSquaredDisplacement};
 use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::run::{Moment, Recorder};
@@ -58,7 +58,7 @@ impl Route for MeanSquaredDisplacementRoute {
             }
             mobility
         } else {
-            diffusion.estimate
+            diffusion.estimate.clone()
         };
         let mut conditions = Conditions::new();
         if let Some((from, to)) = diffusion.window {
@@ -68,11 +68,14 @@ impl Route for MeanSquaredDisplacementRoute {
         let rows = displacement
             .curve()
             .into_iter()
-            .filter_map(|(time, point)| Some(vec![time, point.value?, point.standard_error.unwrap_or(0.0)]));
+            .filter_map(|(time, point)| Some(vec![time, point.value?, cell(point.standard_error)]));
         let header = vec!["time [t]", "mean_squared_displacement [l^2]", "standard_error [l^2]"];
         // The mobility is the slope that the driven routes look for.
         let slope = if self.mobility { estimate.value } else { None };
-        Ok(Outcome { conditions, table: Some(Table::new(header, rows.collect())), slope, ..Outcome::of(estimate) })
+        let tables = vec![("", Table::new(header, rows.collect()))];
+        let mut outcome = Outcome { conditions, tables, slope, ..Outcome::of(estimate) };
+        relaxation::report(&mut outcome, input, &diffusion.estimate);
+        Ok(outcome)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::average::StateRecorder;
 use super::correlation::{CorrelationRecorder, Sample, Sampler};
-use super::{Outcome, Record, Route, RouteError, RouteRecorder, observable};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cells, observable};
 use mesoflux_analysis::{AutocorrelationTime, MultipleTau, Quadrature};
 use mesoflux_core::run::Moment;
 use mesoflux_core::system::System;
@@ -68,10 +68,11 @@ impl Route for Memory {
         let function = &records[0].correlations()?.functions[0];
         let mut outcome = self.outcome(function.autocorrelation_time());
         let rows = function.table(Quadrature::Summed).into_iter().map(|point| {
-            vec![point.time, point.correlation.value.unwrap_or(0.0), point.correlation.standard_error.unwrap_or(0.0)]
+            let [correlation, error] = cells(&point.correlation);
+            vec![point.time, correlation, error]
         });
         let header = ["time [t]", "autocorrelation [squared observable]", "standard_error [squared observable]"];
-        outcome.table = Some(Table::new(header, rows.collect()));
+        outcome.tables.push(("", Table::new(header, rows.collect())));
         Ok(outcome)
     }
 }

@@ -4,23 +4,23 @@ mod average;
 mod compressibility;
 mod configurational;
 mod correlation;
+mod driven;
 mod fluctuation;
 mod green_kubo;
 mod mean_squared_displacement;
 mod memory;
-mod nemd;
-mod norton;
 mod observable;
 mod probability_density;
 mod profile;
 mod radial_distribution;
 mod record;
-mod transport;
+mod relaxation;
 mod transverse_current;
 mod velocity_autocorrelation;
 
 pub use correlation::Correlations;
-pub use record::{DrivenRecorder, Record};
+pub use driven::DrivenRecord;
+pub use record::Record;
 
 use compressibility::Wanted;
 use green_kubo::Viscosity;
@@ -131,8 +131,8 @@ pub struct Outcome {
     pub estimate: Estimate,
     /// What was measured beside, or chosen: fit window, temperature, linearity.
     pub conditions: Conditions,
-    /// A table to write beside the results.
-    pub table: Option<Table>,
+    /// Tables to write beside the results, each with the end of its file's name, which the first one has none of.
+    pub tables: Vec<(&'static str, Table)>,
     /// Points of the response curve, for a route that drives the fluid.
     pub response: Vec<Response>,
     /// The response curve fitted to them as (forcing, flux), from end to end; empty where it is the straight line.
@@ -153,9 +153,19 @@ pub struct Response {
 impl Outcome {
     /// An estimate alone.
     pub fn of(estimate: Estimate) -> Self {
-        let (response, fitted) = Default::default();
-        Self { estimate, conditions: Conditions::new(), table: None, response, fitted, slope: None }
+        let (tables, response, fitted) = Default::default();
+        Self { estimate, conditions: Conditions::new(), tables, response, fitted, slope: None }
     }
+}
+
+/// Value and standard error for a table; not a number where an estimate can't tell.
+fn cells(estimate: &Estimate) -> [f64; 2] {
+    [estimate.value, estimate.standard_error].map(cell)
+}
+
+/// A number for a table; not a number where there is none.
+fn cell(number: Option<f64>) -> f64 {
+    number.unwrap_or(f64::NAN)
 }
 
 /// A recorder that can be kept in a checkpoint and turned into its record.
@@ -273,10 +283,10 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
         }
     }
     if let (Some(parameters), Some(forcing)) = (asked.nemd, measure.forcing_choice()) {
-        routes.push(Box::new(nemd::Nemd { forcing, parameters }));
+        routes.push(Box::new(driven::Driven(driven::Nemd { forcing, parameters })));
     }
     if let (Some(parameters), Some(forcing)) = (asked.norton, measure.forcing_choice()) {
-        routes.push(Box::new(norton::Norton { forcing, parameters }));
+        routes.push(Box::new(driven::Driven(driven::Norton { forcing, parameters })));
     }
     if let Some(parameters) = asked.histogram {
         routes.push(Box::new(radial_distribution::Histogram { parameters }));

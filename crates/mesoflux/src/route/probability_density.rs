@@ -1,6 +1,6 @@
 //! The probability density of an observable, by counting its values in bins.
 
-use super::{Outcome, Record, Route, RouteError, RouteRecorder, observable};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cells, observable};
 use mesoflux_analysis::{AnalysisError, Estimate, Histogram};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::system::System;
@@ -48,11 +48,11 @@ impl Route for ProbabilityDensity {
             outcome.estimate = outcome.estimate.with_warning(warning);
         }
         let rows = bins.iter().map(|bin| {
-            let (density, error) = (bin.density.value.unwrap_or(0.0), bin.density.standard_error.unwrap_or(0.0));
+            let [density, error] = cells(&bin.density);
             vec![bin.low, bin.high, density, error, bin.count as f64]
         });
         let header = ["low [x]", "high [x]", "density [1/x]", "standard_error [1/x]", "count"];
-        outcome.table = Some(Table::new(header, rows.collect()));
+        outcome.tables.push(("", Table::new(header, rows.collect())));
         Ok(outcome)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::average::StateRecorder;
 use super::profile::ProfileRecorder;
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cell};
 use mesoflux_analysis::{Blocking, Estimate};
 use mesoflux_core::observable::{RadialBins, pairs_of_species};
 use mesoflux_core::potential::Potential;
@@ -72,7 +72,7 @@ impl Route for Histogram {
             for (bin, (row, series)) in rows.iter_mut().zip(series).enumerate() {
                 let g = distribution(series, pairs * bins.volume(bin) / volume);
                 let numbers = [g.value, g.standard_error, Some(g.effective_samples)];
-                row.extend(numbers.map(|number| number.unwrap_or(0.0)));
+                row.extend(numbers.map(cell));
                 if name == "g" && highest.as_ref().is_none_or(|(_, highest)| highest.value < g.value) {
                     highest = Some((row[0], g));
                 }
@@ -80,7 +80,7 @@ impl Route for Histogram {
         }
         let (distance, estimate) = highest.ok_or(RouteError::WrongRecord)?;
         let conditions = Conditions::from([("distance".to_owned(), distance.into())]);
-        Ok(Outcome { conditions, table: Some(Table::new(header, rows)), ..Outcome::of(estimate) })
+        Ok(Outcome { conditions, tables: vec![("", Table::new(header, rows))], ..Outcome::of(estimate) })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The shear viscosity from the decay of transverse currents (Hansen & McDonald, Theory of Simple Liquids, ch. 8; Palmer 1994).
 
 use super::correlation::{CorrelationRecorder, Correlations, Sample, Sampler, interval};
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cell};
 use mesoflux_analysis::{Estimate, MultipleTau, polynomial_functionals};
 use mesoflux_core::observable::{TRANSVERSE, TransverseCurrents};
 use mesoflux_core::run::Moment;
@@ -108,10 +108,10 @@ impl Route for TransverseCurrent {
         }
         let mut outcome = Outcome::of(at_zero(&points)?);
         outcome.conditions.insert("smallest_wavenumber".to_owned(), points[0].wavenumber.into());
-        let row = |point: &Point| vec![point.wavenumber, point.viscosity, point.error, point.time.value.unwrap_or(0.0)];
+        let row = |point: &Point| vec![point.wavenumber, point.viscosity, point.error, cell(point.time.value)];
         let rows = points.iter().map(row).collect();
         let header = ["wavenumber [1/l]", "shear_viscosity [p t]", "standard_error [p t]", "decay_time [t]"];
-        outcome.table = Some(Table::new(header, rows));
+        outcome.tables.push(("", Table::new(header, rows)));
         Ok(outcome)
     }
 }

@@ -1,7 +1,7 @@
 //! Diffusion from the autocorrelation of the velocities (Green 1954, Kubo 1957).
 
 use super::correlation::{CorrelationRecorder, Sample, Sampler, integral_conditions, interval};
-use super::{Outcome, Record, Route, RouteError, RouteRecorder};
+use super::{Outcome, Record, Route, RouteError, RouteRecorder, cells};
 use mesoflux_analysis::{IntegralOptions, MultipleTau, Quadrature};
 use mesoflux_core::run::Moment;
 use mesoflux_io::input::{CorrelationInput, Input};
@@ -61,15 +61,9 @@ impl Route for VelocityAutocorrelation {
             "standard_error [l^2/t]",
         ];
         let rows = function.table(quadrature).into_iter().map(|point| {
-            let numbers = [
-                point.correlation.value,
-                point.correlation.standard_error,
-                point.integral.value,
-                point.integral.standard_error,
-            ];
-            std::iter::once(point.time).chain(numbers.map(|number| number.unwrap_or(0.0))).collect()
+            std::iter::once(point.time).chain([point.correlation, point.integral].iter().flat_map(cells)).collect()
         });
-        outcome.table = Some(Table::new(header, rows.collect()));
+        outcome.tables.push(("", Table::new(header, rows.collect())));
         Ok(outcome)
     }
 }

@@ -38,8 +38,13 @@ pub const MEASURES: &str = r#"
 quantity = "mobility"
 forcing = "color_drift"
 routes.msd = { longest_lag = 1.0 }
-routes.nemd = { magnitude = [4.0, 8.0] }
-routes.norton = { flux = 2.0, check_forcing_observable = true }
+routes.nemd = { magnitude = [4.0, 8.0], autocorrelation = {}, histogram = { range = [-3.0, 6.0] } }
+routes.norton = { flux = 2.0, check_forcing_observable = true, histogram = { range = [-50.0, 50.0], bins = 10 } }
+
+[measure.viscosity]
+quantity = "shear_viscosity"
+forcing = "sinusoidal"
+routes.norton = { flux = [0.0, 0.3], autocorrelation = { longest_lag = 0.1 }, profile = { bins = 4 } }
 
 [measure.T]
 quantity = "temperature"
@@ -123,12 +128,13 @@ pub fn value(results: &Value, measurement: &str, method: &str) -> (f64, f64) {
     (number("value"), number("standard_error"))
 }
 
-/// The header and the rows of a table.
+/// The header and the rows of a table; what couldn't be told is not a number.
 pub fn table(folder: &Folder, name: &str) -> (Vec<String>, Vec<Vec<f64>>) {
     let text = folder.read(&format!("out/{name}"));
     let mut lines = text.lines();
     let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
-    (header, lines.map(|row| row.split(',').map(|number| number.parse().unwrap()).collect()).collect())
+    let number = |field: &str| if field.is_empty() { f64::NAN } else { field.parse().unwrap() };
+    (header, lines.map(|row| row.split(',').map(number).collect()).collect())
 }
 
 /// A folder in which the program runs.

@@ -7,7 +7,7 @@ use mesoflux_io::input::Input;
 use mesoflux_io::results::Conditions;
 
 /// What the slope α = dR/dη at vanishing forcing says.
-pub(super) enum Transport {
+pub(crate) enum Transport {
     /// The mobility α itself.
     Mobility,
     /// The shear viscosity η = (ρ/k²)(|F₁|/α − γ) at the wavenumber k of the forcing (Wu & Shang, eq. 87), ρ the number density and
