@@ -39,8 +39,13 @@ impl ResponsePoint {
 /// How many odd powers to fit.
 ///
 /// Letting the data choose has a price: a cubic term too small to be seen still shifts the slope of a straight line, by up to
-/// several of its own standard errors. [`Guarded`](Self::Guarded) pays for honest errors with larger ones (by a factor of about 2
-/// for evenly spaced points on a line).
+/// several of its own standard errors. [`Guarded`](Self::Guarded) pays for honest errors with larger ones: for 4 to 8 evenly spaced
+/// points on a line by a factor of 1.7 where their errors grow as x, of 3 where they are all the same (2 % of the response
+/// at the largest x, 2000 repetitions; mean square of the pulls 0.88 to 0.97).
+///
+/// Averaging the orders 1 to 3 with Akaike's weights exp(−χ²/2 − order), the scatter from order to order in the error, is no cheaper
+/// (1.6 to 1.8 and 3.0 to 3.3) and less well calibrated (0.38 to 0.66 on a line, 1.22 for a law of fifth order), so it
+/// isn't offered: who knows nothing of the cubic term must pay for not seeing it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OrderChoice {

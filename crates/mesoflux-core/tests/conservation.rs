@@ -3,11 +3,11 @@
 
 mod common;
 
-use common::{Fluid, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
+use common::{Fluid, forcing, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
-use mesoflux_core::forcing::{ColorDrift, ForcingField};
+use mesoflux_core::forcing::{ColorDrift, ForcingChoice, ForcingField, ForcingKind};
 use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{Drift, Integrator, Kick, Letter, PairOrnsteinUhlenbeck, Stroke};
 use mesoflux_core::noise::NoiseKey;
@@ -70,6 +70,30 @@ fn color_drift_at_constant_flux_conserves_momentum() {
         splitting("ABOBA"),
         Some(Box::new(ConstantFlux::new(ForcingField::new(Box::new(ColorDrift)), 2.0, Projection::Symmetric))),
     );
+}
+
+#[test]
+fn shear_conserves_momentum_where_its_mean_force_is_removed() {
+    let field = |kind| forcing(kind).field(64, [4.0; 3]).unwrap();
+    conserves_momentum(
+        splitting("ABOBA"),
+        Some(Box::new(ConstantForce::new(field(ForcingKind::PiecewiseConstant), 1.0))),
+    );
+    let held = ConstantFlux::new(field(ForcingKind::Sinusoidal), 0.1, Projection::Symmetric);
+    conserves_momentum(splitting("ABOBA"), Some(Box::new(held)));
+}
+
+#[test]
+fn shear_lets_the_box_drift_where_its_mean_force_is_kept() {
+    let choice = ForcingChoice { remove_mean_force: false, ..forcing(ForcingKind::Sinusoidal) };
+    let noise = NoiseKey::new(&[1]);
+    let system = Fluid::groot_warren(192).system(1.0, noise);
+    let field = choice.field(192, system.region.sides()).unwrap();
+    let driving: Box<dyn Driving> = Box::new(ConstantForce::new(field, 1.0));
+    let mut simulation = Simulation::new(system, splitting("ABOBA"), Some(driving), noise, 0.01).unwrap();
+    (0..100).for_each(|_| drop(simulation.step().unwrap()));
+    let [along, across, third] = simulation.system.particles.total_momentum(Workers::One);
+    assert!(along.abs() > 1e-3 && across.abs() < 1e-10 && third.abs() < 1e-10, "{along}, {across}, {third}");
 }
 
 /// A cold cluster of 27 Lennard-Jones particles of two masses in the middle of a wide box, spinning.

@@ -43,6 +43,9 @@ pub struct Results {
     /// Where the time step is checked, what each estimate owes to it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub time_step_check: Vec<TimeStepBias>,
+    /// Long-wave limits of viscosities that a sweep has measured at several wavenumbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub long_wave_limits: Vec<LongWaveLimit>,
 }
 
 /// Two routes of one measurement that share no run.
@@ -106,6 +109,50 @@ impl TimeStepBias {
             extrapolated_standard_error: errors.map(|(error, half)| (4.0 * half).hypot(error) / 3.0),
             conditions,
         }
+    }
+}
+
+/// What a viscosity measured at several wavenumbers k tends to as k → 0, by the line η(0)(1 − bk²).
+#[derive(Debug, Clone, Serialize)]
+pub struct LongWaveLimit {
+    /// The name of the measurement in the input.
+    pub measurement: String,
+    /// The quantity, in the field's terms.
+    pub quantity: &'static str,
+    /// How it was obtained.
+    pub method: &'static str,
+    /// η(0); null where it can't be told.
+    pub value: Option<f64>,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+    /// The wavenumbers, ascending.
+    pub wavenumbers: Vec<f64>,
+    /// The sweep's values but for those of box and waves.
+    pub conditions: Conditions,
+    /// What a reader must know.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+impl LongWaveLimit {
+    /// The limit of the estimates that this one belongs to, not yet found.
+    pub fn new(record: &EstimateRecord, conditions: Conditions) -> Self {
+        Self {
+            measurement: record.measurement.clone(),
+            quantity: record.quantity,
+            method: record.method,
+            value: None,
+            standard_error: None,
+            wavenumbers: Vec::new(),
+            conditions,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Takes over what was estimated.
+    pub fn take(&mut self, estimate: &Estimate) {
+        (self.value, self.standard_error) = (estimate.value, estimate.standard_error);
+        self.warnings.clone_from(&estimate.warnings);
     }
 }
 

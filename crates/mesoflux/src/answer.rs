@@ -2,10 +2,11 @@
 
 use crate::finite_size;
 use crate::job::{Finished, JobError, merged_records};
+use crate::long_wave;
 use crate::plan::{Measurement, Plan, PointPlan, Task};
 use crate::response_figure::Profile;
 use crate::route::Outcome;
-use mesoflux_analysis::Estimate;
+use mesoflux_analysis::{AnalysisError, Estimate};
 use mesoflux_io::input::Input;
 use mesoflux_io::results::{Comparison, EstimateRecord, Results, RunRecord, SCHEMA, TimeStepBias};
 
@@ -74,6 +75,8 @@ pub fn answer(
         }
         comparisons.extend(compare(point, &estimates[first[index]..]));
     }
+    let failed = |source: AnalysisError| JobError::Route { place: "long-wave limit".to_owned(), source: source.into() };
+    let long_wave_limits = long_wave::limits(&estimates).map_err(failed)?;
     let particle_steps = cost(plan, finished, |_| true);
     let before: f64 = finished.iter().map(|run| particles(plan, run) * run.steps_before as f64).sum();
     let results = Results {
@@ -91,6 +94,7 @@ pub fn answer(
         estimates,
         comparisons,
         time_step_check,
+        long_wave_limits,
     };
     Ok(Answer { results, files })
 }

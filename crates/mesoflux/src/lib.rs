@@ -8,6 +8,7 @@ pub mod command;
 pub mod figure;
 mod finite_size;
 pub mod job;
+pub mod long_wave;
 pub mod plan;
 pub mod prediction;
 pub mod progress;

@@ -53,6 +53,7 @@ pub fn table(results: &Results) -> String {
         }
     }
     text += &time_step(results);
+    text += &long_waves(results);
     for record in &results.estimates {
         for warning in &record.warnings {
             let _ = writeln!(text, "warning: {} by {}: {warning}", record.measurement, record.method);
@@ -84,6 +85,24 @@ fn time_step(results: &Results) -> String {
             }
             _ => writeln!(text, "cannot tell"),
         };
+    }
+    text
+}
+
+/// The long-wave limits, one line each.
+fn long_waves(results: &Results) -> String {
+    let mut text = String::new();
+    for limit in &results.long_wave_limits {
+        let at: String = limit.conditions.iter().map(|(key, value)| format!(", {key} = {value}")).collect();
+        let value = match (limit.value, limit.standard_error) {
+            (Some(value), Some(error)) => value_with_error(value, error),
+            _ => "cannot tell".to_owned(),
+        };
+        let (measurement, method, count) = (&limit.measurement, limit.method, limit.wavenumbers.len());
+        let _ = writeln!(text, "{measurement} by {method}{at}: {value} at k → 0, from {count} wavenumbers");
+        for warning in &limit.warnings {
+            let _ = writeln!(text, "warning: {measurement} by {method}{at} at k → 0: {warning}");
+        }
     }
     text
 }

@@ -2,7 +2,8 @@
 
 use super::correlation::{CorrelationRecorder, Correlations, Sample, Sampler, interval};
 use super::{Outcome, Record, Route, RouteError, RouteRecorder, cell};
-use mesoflux_analysis::{Estimate, MultipleTau, polynomial_functionals};
+use crate::long_wave::{Point, at_zero};
+use mesoflux_analysis::{Estimate, MultipleTau};
 use mesoflux_core::observable::{TRANSVERSE, TransverseCurrents};
 use mesoflux_core::run::Moment;
 use mesoflux_io::input::{Input, TransverseCurrentInput};
@@ -89,7 +90,7 @@ impl Route for TransverseCurrent {
         let mass: f64 =
             input.masses().iter().zip(input.species_counts()).map(|(mass, count)| mass * count as f64).sum();
         let waves = self.waves(input);
-        let mut points = Vec::new();
+        let (mut points, mut times) = (Vec::new(), Vec::new());
         for (wave, function) in waves.iter().zip(functions) {
             let time = function.autocorrelation_time().time;
             let (Some(value), Some(error)) = (time.value, time.standard_error) else {
@@ -102,54 +103,19 @@ impl Route for TransverseCurrent {
                 wavenumber: wave.wavenumber,
                 viscosity,
                 error: viscosity * error / value,
-                time,
+                // It follows from the wave alone, as weights from the data would bias.
                 weight,
+                effective_samples: time.effective_samples,
             });
+            times.push(time);
         }
         let mut outcome = Outcome::of(at_zero(&points)?);
         outcome.conditions.insert("smallest_wavenumber".to_owned(), points[0].wavenumber.into());
-        let row = |point: &Point| vec![point.wavenumber, point.viscosity, point.error, cell(point.time.value)];
-        let rows = points.iter().map(row).collect();
+        let row =
+            |(point, time): (&Point, &Estimate)| vec![point.wavenumber, point.viscosity, point.error, cell(time.value)];
+        let rows = points.iter().zip(&times).map(row).collect();
         let header = ["wavenumber [1/l]", "shear_viscosity [p t]", "standard_error [p t]", "decay_time [t]"];
         outcome.tables.push(("", Table::new(header, rows)));
         Ok(outcome)
     }
-}
-
-/// The viscosity at one wavenumber.
-struct Point {
-    wavenumber: f64,
-    viscosity: f64,
-    error: f64,
-    time: Estimate,
-    /// In the fit; it follows from the wave alone, as weights from the data would bias.
-    weight: f64,
-}
-
-/// The value at k = 0 of the line in k² through points; a single point as it is.
-fn at_zero(points: &[Point]) -> Result<Estimate, RouteError> {
-    let samples = points.iter().map(|point| point.time.effective_samples).fold(f64::INFINITY, f64::min);
-    if let [Point { wavenumber, viscosity, error, .. }] = *points {
-        let warning = format!("at the wavenumber {wavenumber:.4}, not at zero: one wavenumber can't be extrapolated");
-        return Ok(Estimate::new(viscosity, error, samples).with_warning(warning));
-    }
-    let squares: Vec<f64> = points.iter().map(|point| point.wavenumber.powi(2)).collect();
-    let weights: Vec<f64> = points.iter().map(|point| point.weight).collect();
-    let line = polynomial_functionals(&squares, &weights, 2)?;
-    let sum = |of: &[f64], number: fn(&Point) -> f64| of.iter().zip(points).map(|(c, point)| c * number(point)).sum();
-    let (value, slope): (f64, f64) = (sum(&line[0], |point| point.viscosity), sum(&line[1], |point| point.viscosity));
-    let error = line[0].iter().zip(points).map(|(c, point)| (c * point.error).powi(2)).sum::<f64>().sqrt();
-    let residual = |(point, square): (&Point, &f64)| ((point.viscosity - value - slope * square) / point.error).powi(2);
-    let misfit: f64 = points.iter().zip(&squares).map(residual).sum();
-    let estimate = Estimate::new(value, error, samples);
-    let freedom = points.len() as f64 - 2.0;
-    // Three standard deviations of a χ² distribution.
-    if freedom > 0.0 && misfit > freedom + 3.0 * (2.0 * freedom).sqrt() {
-        let warning = format!(
-            "the viscosity isn't linear in k² at these wavenumbers (χ² = {misfit:.1} with {freedom} degrees of freedom): \
-             take fewer wavenumbers, or a longer box"
-        );
-        return Ok(estimate.with_warning(warning));
-    }
-    Ok(estimate)
 }

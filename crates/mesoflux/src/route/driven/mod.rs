@@ -117,7 +117,7 @@ impl<W: Way> Route for Driven<W> {
         let records: Vec<&DrivenRecord> = records.iter().map(Record::driven).collect::<Result<_, _>>()?;
         let (strengths, forcing) = (self.0.strengths(), self.0.forcing());
         let answers: Vec<Estimate> = records.iter().map(|record| record.series.component(W::PLACE)).collect();
-        let mut outcome = self.curve_outcome(input, &answers)?;
+        let mut outcome = self.outcome_of_curve(input, &answers)?;
         for (strength, answer) in strengths.iter().zip(&answers).filter(|(_, answer)| answer.standard_error.is_some()) {
             let warning = |warning| format!("at {} = {strength}: {warning}", W::IMPOSED.name);
             outcome.estimate.warnings.extend(answer.warnings.iter().map(warning));
@@ -150,7 +150,7 @@ impl<W: Way> Route for Driven<W> {
 
 impl<W: Way> Driven<W> {
     /// The coefficient from the answers at all strengths but zero.
-    fn curve_outcome(&self, input: &Input, answers: &[Estimate]) -> Result<Outcome, RouteError> {
+    fn outcome_of_curve(&self, input: &Input, answers: &[Estimate]) -> Result<Outcome, RouteError> {
         let transport = Transport::new(input, self.0.forcing());
         let strengths = self.0.strengths();
         let driven = strengths.iter().zip(answers).filter(|(strength, _)| **strength != 0.0);
