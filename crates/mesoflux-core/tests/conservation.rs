@@ -91,7 +91,9 @@ fn shear_lets_the_box_drift_where_its_mean_force_is_kept() {
     let field = choice.field(192, system.region.sides()).unwrap();
     let driving: Box<dyn Driving> = Box::new(ConstantForce::new(field, 1.0));
     let mut simulation = Simulation::new(system, splitting("ABOBA"), Some(driving), noise, 0.01).unwrap();
-    (0..100).for_each(|_| drop(simulation.step().unwrap()));
+    for _ in 0..100 {
+        simulation.step().unwrap();
+    }
     let [along, across, third] = simulation.system.particles.total_momentum(Workers::One);
     assert!(along.abs() > 1e-3 && across.abs() < 1e-10 && third.abs() < 1e-10, "{along}, {across}, {third}");
 }

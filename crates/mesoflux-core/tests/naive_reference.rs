@@ -28,7 +28,7 @@ use proptest::prelude::*;
 
 const WORDS: [&str; 4] = ["ABOBA", "OBABO", "BAOAB", "OABAO"];
 
-const FORCINGS: [ForcingKind; 5] = [
+static FORCINGS: [ForcingKind; 5] = [
     ForcingKind::ColorDrift,
     ForcingKind::TwoParticleDrift,
     ForcingKind::Sinusoidal,
@@ -181,12 +181,12 @@ fn orders(
 #[derive(Debug, Clone, Copy)]
 enum Drive {
     None,
-    Nemd(ForcingKind),
-    Norton(ForcingKind),
+    Nemd(&'static ForcingKind),
+    Norton(&'static ForcingKind),
 }
 
-fn field(kind: ForcingKind, system: &System) -> ForcingField {
-    forcing(kind).field(system.particles.count(), system.region.sides()).unwrap()
+fn field(kind: &ForcingKind, system: &System) -> ForcingField {
+    forcing(kind.clone()).field(system.particles.count(), system.region.sides()).unwrap()
 }
 
 impl Drive {
@@ -289,7 +289,7 @@ fn words_of_many_bricks() {
         let mut system = Fluid::groot_warren(864).with_species(&species).system(1.0, noise);
         let bricks = system.contacts().contacts().filter(|contacts| contacts.count() > 0).count();
         assert!(bricks >= 4, "{bricks} bricks: there must be one of each color");
-        compare_steps(system, "ABOBA", Drive::Norton(ForcingKind::ColorDrift), noise).unwrap();
+        compare_steps(system, "ABOBA", Drive::Norton(&ForcingKind::ColorDrift), noise).unwrap();
     }
 }
 
@@ -330,7 +330,7 @@ proptest! {
     #[test]
     fn driven_words(species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, kind in 0usize..5, norton: bool, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
-        let kind = FORCINGS[kind];
+        let kind = &FORCINGS[kind];
         let drive = if norton { Drive::Norton(kind) } else { Drive::Nemd(kind) };
         let system = bonded(random_system(seed as usize % 3, species, shape, noise), exclusions(bonds));
         compare_steps(system, WORDS[word], drive, noise)?;

@@ -261,7 +261,8 @@ fn probes(prefix: &str, table: &toml::Table, found: &mut Vec<String>) {
     let translation = prefix.starts_with("system.start.") && prefix.matches('.').count() == 4;
     let open = named || translation || prefix == "sweep." || prefix.ends_with("parameters.");
     // A law is chosen by its only key.
-    let choice = ["potential.", "friction.", "thermostat.", "start."].iter().any(|end| prefix.ends_with(end));
+    let choice =
+        ["potential.", "friction.", "thermostat.", "start.", "forcing."].iter().any(|end| prefix.ends_with(end));
     if !open && !choice {
         found.push(prefix.to_owned());
     }

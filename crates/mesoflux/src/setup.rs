@@ -35,14 +35,14 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
     let refused = |reason: String| JobError::Setup { place: place.to_owned(), reason };
     let integrator = input.integrator().map_err(|error| refused(error.to_string()))?;
     let system = start(input, &integrator, noise, workers, place)?;
-    let field = |forcing: ForcingChoice| {
+    let field = |forcing: &ForcingChoice| {
         forcing.field(system.particles.count(), system.region.sides()).map_err(|error| refused(error.to_string()))
     };
-    let driving: Option<Box<dyn Driving>> = match *kind {
+    let driving: Option<Box<dyn Driving>> = match kind {
         RunKind::Equilibrium | RunKind::AtDensity { .. } => None,
-        RunKind::Nemd { forcing, magnitude } => Some(Box::new(ConstantForce::new(field(forcing)?, magnitude))),
+        RunKind::Nemd { forcing, magnitude } => Some(Box::new(ConstantForce::new(field(forcing)?, *magnitude))),
         RunKind::Norton { forcing, flux, projection } => {
-            Some(Box::new(ConstantFlux::new(field(forcing)?, flux, projection)))
+            Some(Box::new(ConstantFlux::new(field(forcing)?, *flux, *projection)))
         }
     };
     let mut simulation = Simulation::new(system, integrator, driving, noise, input.dynamics.time_step)

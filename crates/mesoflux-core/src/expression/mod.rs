@@ -11,6 +11,7 @@ mod derivative;
 mod error;
 mod functions;
 mod graph;
+pub(crate) mod in_box;
 mod operation;
 mod parser;
 mod tape;

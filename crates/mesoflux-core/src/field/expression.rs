@@ -1,7 +1,7 @@
 //! An external field that the user types.
 
 use crate::boundary::PeriodicBox;
-use crate::expression::{Expression, ExpressionError, Tape};
+use crate::expression::{Expression, ExpressionError, Tape, in_box};
 use crate::lanes::BlockNumbers;
 use crate::vector::Vector;
 use std::collections::BTreeMap;
@@ -19,24 +19,13 @@ pub struct ExpressionField {
     laplacian: Tape,
 }
 
-/// A field is looked at in so many places along each axis before it is used, both faces among them.
-const SAMPLES: u32 = 17;
-
-/// The names of the sides of the box.
-const SIDES: [&str; 3] = ["lx", "ly", "lz"];
-
 impl ExpressionField {
     /// The field of an expression in x, y and z in a box, whose sides it may call `lx`, `ly` and `lz`, and parameters by name.
     ///
     /// # Errors
     /// A text that is no expression; an energy or force that isn't finite, or an energy that isn't periodic.
     pub fn new(text: &str, parameters: &BTreeMap<String, f64>, region: &PeriodicBox) -> Result<Self, ExpressionError> {
-        let mut constants = parameters.clone();
-        for (name, side) in SIDES.into_iter().zip(region.sides()) {
-            if constants.insert(name.to_owned(), side).is_some() {
-                return Err(ExpressionError::taken_name(text, name));
-            }
-        }
+        let constants = in_box::with_constants(text, parameters, region.sides(), &[])?;
         let mut expression = Expression::parse(text, &["x", "y", "z"], &constants)?;
         let energy = expression.value();
         let mut force = [const { None }; 3];
@@ -51,50 +40,9 @@ impl ExpressionField {
         }
         let laplacian = expression.tape(laplacian.unwrap_or(energy))?;
         let field = Self { energy: expression.tape(energy)?, force, laplacian };
-        field.check(text, region)?;
+        let (energy, force) = (|place: &Vector| field.energy(place), |place: &Vector| field.force(place));
+        in_box::check(text, region.sides(), ("energy", &energy), ("force", &force))?;
         Ok(field)
-    }
-
-    /// Looks at the field in many places.
-    fn check(&self, text: &str, region: &PeriodicBox) -> Result<(), ExpressionError> {
-        let sides = region.sides();
-        let coordinate = |axis: usize, k: u32| sides[axis] * f64::from(k) / f64::from(SAMPLES - 1);
-        let mut largest = 0.0f64;
-        for number in 0..SAMPLES.pow(3) {
-            let at = [number % SAMPLES, number / SAMPLES % SAMPLES, number / SAMPLES.pow(2)];
-            let [x, y, z] = std::array::from_fn(|axis| coordinate(axis, at[axis]));
-            let forces = self.force.iter().flatten().map(|tape| ("force", tape));
-            for (name, tape) in [("energy", &self.energy)].into_iter().chain(forces) {
-                let value = tape.value(&[x, y, z]);
-                if !value.is_finite() {
-                    let requirement = format!("must be finite, but at x = {x}, y = {y}, z = {z} the {name} is {value}");
-                    return Err(ExpressionError::whole(text, requirement));
-                }
-            }
-            largest = largest.max(self.energy(&[x, y, z]).abs());
-        }
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            for number in 0..SAMPLES.pow(2) {
-                let mut low = [0.0; 3];
-                low[(axis + 1) % 3] = coordinate((axis + 1) % 3, number % SAMPLES);
-                low[(axis + 2) % 3] = coordinate((axis + 2) % 3, number / SAMPLES);
-                let mut high = low;
-                high[axis] = sides[axis];
-                let jump = self.energy(&low) - self.energy(&high);
-                if jump.abs() > 1e-9 * largest {
-                    let (side, [x, y, z]) = (sides[axis], high);
-                    let requirement = format!(
-                        "must be the same on opposite faces of the box, but the energy jumps by {jump:.3e} from {name} = {side} to \
-                         {name} = 0 (at x = {x}, y = {y}, z = {z})"
-                    );
-                    let mut error = ExpressionError::whole(text, requirement);
-                    error.help =
-                        Some(format!("the sides of the box are lx, ly, lz: cos(2*pi*{name}/l{name}) is periodic"));
-                    return Err(error);
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Along which axes it may push.
@@ -169,6 +117,8 @@ mod tests {
     fn a_field_pushes_only_where_its_energy_changes() {
         assert_eq!(field("a*sin(2*pi*z/lz)").unwrap().pushes(), [false, false, true]);
         assert_eq!(field("a").unwrap().pushes(), [false; 3]);
+        // Zero at every sixteenth of the box.
+        assert_eq!(field("a*sin(32*pi*z/lz)").unwrap().pushes(), [false, false, true]);
     }
 
     #[test]

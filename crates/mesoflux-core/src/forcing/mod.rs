@@ -1,6 +1,7 @@
 //! External forcings F(q) and the responses R = G(q)·p that belong to them: one file each, and their registry.
 
 mod color_drift;
+mod expression;
 mod piecewise_constant;
 mod piecewise_linear;
 mod shear;
@@ -8,6 +9,7 @@ mod sinusoidal;
 mod two_particle_drift;
 
 pub use color_drift::ColorDrift;
+pub use expression::{ExpressionForcing, ExpressionSource};
 pub use piecewise_constant::PiecewiseConstant;
 pub use piecewise_linear::PiecewiseLinear;
 pub use shear::{Axis, Shear, ShearProfile, Wave};
@@ -15,6 +17,7 @@ pub use sinusoidal::Sinusoidal;
 pub use two_particle_drift::TwoParticleDrift;
 
 use crate::domain::Workers;
+use crate::expression::ExpressionError;
 use crate::lanes::Row;
 use crate::state::Particles;
 use crate::vector::{Vector, ZERO, add_scaled, dot};
@@ -59,13 +62,26 @@ pub enum ForcingError {
     /// A force without a wave is the same everywhere.
     #[error("must be at least 1")]
     NoWave,
+    /// An expression that can't be used.
+    #[error("{key}[{axis}]: {error}")]
+    Expression {
+        /// `force` or `response`.
+        key: &'static str,
+        /// Which component.
+        axis: usize,
+        /// What is wrong with it.
+        error: Box<ExpressionError>,
+    },
+    /// A force or a response, `force` or `response`, without any component.
+    #[error("must have a component that isn't zero")]
+    Vanishing(&'static str),
     /// Nothing to control the flux with.
     #[error("F·G = {0}: must not be zero, or no magnitude of the forcing can hold the flux")]
     NoControl(f64),
 }
 
 /// The known forcings, by their names in the input file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ForcingKind {
     /// Particles pushed to both sides by the parity of their ids.
@@ -78,13 +94,15 @@ pub enum ForcingKind {
     PiecewiseLinear,
     /// A force one way in one half of each wave, the other way in the other.
     PiecewiseConstant,
+    /// Whatever the user types.
+    Expression(ExpressionSource),
 }
 
 impl ForcingKind {
     /// |F₁| of eq. 88 for a forcing that drives a shear flow; none for others.
-    pub fn first_coefficient(self) -> Option<f64> {
+    pub fn first_coefficient(&self) -> Option<f64> {
         match self {
-            Self::ColorDrift | Self::TwoParticleDrift => None,
+            Self::ColorDrift | Self::TwoParticleDrift | Self::Expression(_) => None,
             Self::Sinusoidal => Some(Sinusoidal::FIRST_COEFFICIENT),
             Self::PiecewiseLinear => Some(PiecewiseLinear::FIRST_COEFFICIENT),
             Self::PiecewiseConstant => Some(PiecewiseConstant::FIRST_COEFFICIENT),
@@ -92,13 +110,13 @@ impl ForcingKind {
     }
 
     /// Whether it drives a shear flow.
-    pub fn is_shear(self) -> bool {
+    pub fn is_shear(&self) -> bool {
         self.first_coefficient().is_some()
     }
 }
 
 /// A forcing with all that it needs to be told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForcingChoice {
     /// Which.
     pub kind: ForcingKind,
@@ -114,15 +132,31 @@ impl ForcingChoice {
     /// # Errors
     /// A system for which the forcing is impossible.
     pub fn field(&self, particles: usize, sides: Vector) -> Result<ForcingField, ForcingError> {
-        let forcing: Box<dyn Forcing> = match self.kind {
+        let forcing: Box<dyn Forcing> = match &self.kind {
             ForcingKind::ColorDrift => Box::new(ColorDrift),
             ForcingKind::TwoParticleDrift => Box::new(TwoParticleDrift),
             ForcingKind::Sinusoidal => Box::new(Shear::<Sinusoidal>::new(self.wave, sides, particles)),
             ForcingKind::PiecewiseLinear => Box::new(Shear::<PiecewiseLinear>::new(self.wave, sides, particles)),
             ForcingKind::PiecewiseConstant => Box::new(Shear::<PiecewiseConstant>::new(self.wave, sides, particles)),
+            ForcingKind::Expression(source) => Box::new(ExpressionForcing::new(source, sides, particles)?),
         };
         forcing.check(particles)?;
         Ok(ForcingField { remove_mean_force: self.remove_mean_force, ..ForcingField::new(forcing) })
+    }
+
+    /// The number of the kind, and numbers that tell the forcing from all others of its kind.
+    pub fn identity(&self) -> (u64, Vec<u64>) {
+        let Wave { flow, gradient, waves } = self.wave;
+        let mean = u64::from(self.remove_mean_force);
+        let shear = vec![flow as u64, gradient as u64, waves.into(), mean];
+        match &self.kind {
+            ForcingKind::ColorDrift => (0, Vec::new()),
+            ForcingKind::TwoParticleDrift => (1, Vec::new()),
+            ForcingKind::Sinusoidal => (2, shear),
+            ForcingKind::PiecewiseLinear => (3, shear),
+            ForcingKind::PiecewiseConstant => (4, shear),
+            ForcingKind::Expression(source) => (5, [vec![mean], source.identity()].concat()),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ pub use scores::{check_scores, probit, seeds};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::Driving;
-use mesoflux_core::forcing::{Axis, ForcingChoice, ForcingKind, Wave};
+use mesoflux_core::forcing::{Axis, ExpressionSource, ForcingChoice, ForcingKind, Wave};
 use mesoflux_core::friction::{Friction, linear::Linear};
 use mesoflux_core::integrate::{Integrator, Langevin, Schedule, SweepOrder, Thermostat, VelocityVerlet};
 use mesoflux_core::interactions::{Interactions, PairTable};
@@ -172,4 +172,19 @@ pub fn replicas<T: Send>(count: u64, run: impl Fn(u64) -> T + Sync) -> Vec<T> {
 /// A forcing; one that drives a shear flow pushes along x in one wave along y, its mean force removed.
 pub fn forcing(kind: ForcingKind) -> ForcingChoice {
     ForcingChoice { kind, wave: Wave { flow: Axis::X, gradient: Axis::Y, waves: 1 }, remove_mean_force: true }
+}
+
+/// A force and a response by their components, the mean force removed.
+pub fn typed(force: [&str; 3], response: [&str; 3]) -> ForcingChoice {
+    let [force, response] = [force, response].map(|components| components.map(str::to_owned));
+    forcing(ForcingKind::Expression(ExpressionSource { force, response, parameters: [].into() }))
+}
+
+/// A typed forcing whose response changes along all axes, unlike the force.
+pub fn typed_in_all_directions() -> ForcingChoice {
+    let wave = "sin(2*pi*(y/ly + z/lz))";
+    typed(
+        [wave, "color*cos(2*pi*z/lz)", "1.5*sin(2*pi*x/lx)"],
+        [&format!("{wave}*(1 + cos(2*pi*x/lx)/2)/n"), "color*cos(2*pi*z/lz)/n", "sin(2*pi*x/lx)/n"],
+    )
 }

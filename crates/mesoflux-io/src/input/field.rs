@@ -43,7 +43,7 @@ impl Input {
             }
             let feels = |name: &String| field.species.as_ref().is_none_or(|chosen| chosen.contains(name));
             let law = ExpressionField::new(&field.energy, &field.parameters, region)
-                .map_err(|error| wrong_expression(&path, &error))?;
+                .map_err(|error| wrong_expression(&path, "energy", &error))?;
             fields.push(Field { law, felt_by: species.iter().map(|(name, _)| feels(name)).collect() });
         }
         Ok(Fields::from(fields))
@@ -69,15 +69,13 @@ impl Input {
     }
 }
 
-/// The fault of an expression at `path.energy`, or of one of its parameters.
-pub(super) fn wrong_expression(path: &str, error: &ExpressionError) -> Invalid {
+/// The fault of an expression at `path.key`, or of one of its parameters.
+pub(super) fn wrong_expression(path: &str, key: &str, error: &ExpressionError) -> Invalid {
+    let whole = || Invalid::new(format!("{path}.{key}"), format!("\"{}\"", error.text), &error.requirement);
     let invalid = match &error.place {
         Place::Parameter(name) => Invalid::new(format!("{path}.parameters.{name}"), "", &error.requirement),
-        Place::Whole => Invalid::new(format!("{path}.energy"), format!("\"{}\"", error.text), &error.requirement),
-        Place::Text(range) => {
-            let place = format!("{path}.energy");
-            Invalid::new(place, format!("\"{}\"", error.text), &error.requirement).within(range.clone(), error.caret())
-        }
+        Place::Whole => whole(),
+        Place::Text(range) => whole().within(range.clone(), error.caret()),
     };
     let nearest = error.unknown.as_ref().and_then(|unknown| super::diagnostic::nearest(&unknown.name, &unknown.known));
     let meant = || nearest.map(|name| format!("did you mean `{name}`?"));

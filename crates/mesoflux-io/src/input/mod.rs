@@ -260,8 +260,8 @@ pub struct MeasureInput {
     /// How many waves of a shear forcing fit into the box; 1 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waves: Option<u32>,
-    /// Whether the mean of a shear forcing over the particles is removed at every step, so that momentum is conserved; so it is if
-    /// left out. Without, the box drifts.
+    /// Whether the mean of a forcing that shears or is typed is removed over the particles at every step, so that momentum is
+    /// conserved; so it is if left out. Without, the box drifts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remove_mean_force: Option<bool>,
     /// Whose fluctuations are measured, for quantities that belong to an observable.
@@ -288,6 +288,8 @@ pub enum Quantity {
     DiffusionCoefficient,
     /// The mobility, drift velocity over force.
     Mobility,
+    /// α = lim R/η of a forcing that the user types, in the units of its response over its force.
+    TransportCoefficient,
     /// g(r), a table for every pair of species.
     RadialDistribution,
     /// κ_T = (∂ρ/∂P)_T/ρ.

@@ -12,6 +12,7 @@ impl Quantity {
             Self::PotentialEnergy => "potential_energy",
             Self::DiffusionCoefficient => "diffusion_coefficient",
             Self::Mobility => "mobility",
+            Self::TransportCoefficient => "transport_coefficient",
             Self::RadialDistribution => "radial_distribution",
             Self::IsothermalCompressibility => "isothermal_compressibility",
             Self::SoundSpeed => "sound_speed",
@@ -33,6 +34,7 @@ impl Quantity {
             Self::ProbabilityDensity => &["counting"],
             Self::DiffusionCoefficient => &["msd", "vacf"],
             Self::Mobility => &["msd", "nemd", "norton"],
+            Self::TransportCoefficient => &["nemd", "norton"],
             Self::RadialDistribution => &["histogram"],
             Self::IsothermalCompressibility | Self::SoundSpeed => &["derivative", "fluctuation"],
             Self::ShearViscosity => {
@@ -78,6 +80,7 @@ impl Quantity {
                     routes.correlation = Some(CorrelationInput::default());
                 }
                 Self::Mobility
+                | Self::TransportCoefficient
                 | Self::ProbabilityDensity
                 | Self::ShearViscosity
                 | Self::IsothermalCompressibility

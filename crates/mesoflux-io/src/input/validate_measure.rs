@@ -1,5 +1,6 @@
 //! What a measurement must fulfil: routes that lead to its quantity, laws that allow it, a driving that can act.
 
+use super::field::wrong_expression;
 use super::routes::rests_on_momentum;
 use super::structure::MOST_BINS;
 use super::validate::{Invalid, number, written};
@@ -102,8 +103,12 @@ impl Input {
         for (route, key, values, recordings) in magnitudes.into_iter().chain(fluxes) {
             let key = format!("routes.{route}.{key}");
             if measure.forcing.is_none() {
-                let example = if measure.quantity == Quantity::Mobility { "color_drift" } else { "sinusoidal" };
-                let requirement = format!("forcing is missing: {key} needs one, e.g. forcing = \"{example}\"");
+                let example = match measure.quantity {
+                    Quantity::Mobility => "forcing = \"color_drift\"",
+                    Quantity::TransportCoefficient => TYPED,
+                    _ => "forcing = \"sinusoidal\"",
+                };
+                let requirement = format!("forcing is missing: {key} needs one, e.g. {example}");
                 return Err(Invalid::new(path, "", requirement));
             }
             if self.dynamics.velocity_verlet.is_some() {
@@ -135,7 +140,7 @@ impl Input {
                 validate_counting(&format!("{place}.histogram"), counting)?;
             }
             if let Some(ProfileInput { bins }) = recordings.profile {
-                if !measure.forcing.is_some_and(ForcingKind::is_shear) {
+                if !measure.forcing.as_ref().is_some_and(ForcingKind::is_shear) {
                     let requirement = "must be left out: only a forcing that drives a shear flow, such as \"sinusoidal\", has a profile";
                     return Err(Invalid::new(format!("{place}.profile"), "", requirement));
                 }
@@ -150,14 +155,15 @@ impl Input {
 
     /// A forcing that drives what is measured, in a box and with particles that allow it.
     fn validate_forcing(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
-        let shears = measure.forcing.is_some_and(ForcingKind::is_shear);
-        let given = [
-            ("flow", measure.flow.is_some()),
-            ("gradient", measure.gradient.is_some()),
-            ("waves", measure.waves.is_some()),
-            ("remove_mean_force", measure.remove_mean_force.is_some()),
+        let shears = measure.forcing.as_ref().is_some_and(ForcingKind::is_shear);
+        let is_typed = matches!(measure.forcing, Some(ForcingKind::Expression(_)));
+        let misplaced = [
+            ("flow", measure.flow.is_some() && !shears),
+            ("gradient", measure.gradient.is_some() && !shears),
+            ("waves", measure.waves.is_some() && !shears),
+            ("remove_mean_force", measure.remove_mean_force.is_some() && !shears && !is_typed),
         ];
-        if let Some((key, _)) = given.into_iter().find(|(_, given)| *given && !shears) {
+        if let Some((key, _)) = misplaced.into_iter().find(|(_, misplaced)| *misplaced) {
             let requirement =
                 "must be left out: it belongs to a forcing that drives a shear flow, such as \"sinusoidal\"";
             return Err(Invalid::new(format!("{path}.{key}"), "", requirement));
@@ -168,7 +174,8 @@ impl Input {
         let place = format!("{path}.forcing");
         let fits = match measure.quantity {
             Quantity::ShearViscosity => shears,
-            Quantity::Mobility => !shears,
+            Quantity::Mobility => !shears && !is_typed,
+            Quantity::TransportCoefficient => is_typed,
             _ => false,
         };
         if !fits {
@@ -177,20 +184,31 @@ impl Input {
                     "must be \"sinusoidal\", \"piecewise_linear\" or \"piecewise_constant\" for a shear viscosity"
                 }
                 Quantity::Mobility => "must be \"color_drift\" or \"two_particle_drift\" for a mobility",
-                _ => "must be left out: only mobility and shear_viscosity are measured by driving the fluid",
+                Quantity::TransportCoefficient => {
+                    "must be a forcing.expression for a transport coefficient: \"color_drift\" and \"two_particle_drift\" belong to \
+                     mobility, shear forcings to shear_viscosity"
+                }
+                _ => {
+                    "must be left out: only mobility, shear_viscosity and transport_coefficient are measured by driving the fluid"
+                }
             };
-            return Err(Invalid::new(place, "", requirement));
+            let help = "what a typed forcing tells is quantity = \"transport_coefficient\"";
+            return Err(Invalid::new(place, "", requirement).helped(is_typed.then(|| help.to_owned())));
         }
-        choice.field(self.particles() as usize, self.sides()).map(|_| ()).map_err(|error| {
-            let key = match error {
-                ForcingError::FlowAlongGradient => "gradient",
-                ForcingError::NoWave => "waves",
-                _ => "forcing",
-            };
-            Invalid::new(format!("{path}.{key}"), "", error)
+        choice.field(self.particles() as usize, self.sides()).map(|_| ()).map_err(|error| match error {
+            ForcingError::FlowAlongGradient => Invalid::new(format!("{path}.gradient"), "", error),
+            ForcingError::NoWave => Invalid::new(format!("{path}.waves"), "", error),
+            ForcingError::Vanishing(key) => Invalid::new(format!("{place}.expression.{key}"), "", error),
+            ForcingError::Expression { key, axis, error } => {
+                wrong_expression(&format!("{place}.expression"), &format!("{key}.{axis}"), &error)
+            }
+            _ => Invalid::new(place, "", error),
         })
     }
 }
+
+/// What a typed forcing looks like.
+const TYPED: &str = "forcing.expression = { force = [\"sin(2*pi*y/ly)\", \"0\", \"0\"], response = [\"sin(2*pi*y/ly)/n\", \"0\", \"0\"] }";
 
 /// A range that holds something, in a number of bins that fits into memory.
 fn validate_counting(place: &str, counting: CountingInput) -> Result<(), Invalid> {
@@ -215,15 +233,18 @@ impl MeasureInput {
             waves: self.waves.unwrap_or(1),
         };
         let remove_mean_force = self.remove_mean_force.unwrap_or(true);
-        self.forcing.map(|kind| ForcingChoice { kind, wave, remove_mean_force })
+        self.forcing.clone().map(|kind| ForcingChoice { kind, wave, remove_mean_force })
     }
 
-    /// Fills in what a shear forcing leaves open.
+    /// Fills in what a forcing leaves open.
     pub(super) fn fill_forcing(&mut self) {
-        if let Some(ForcingChoice { kind, wave, remove_mean_force }) = self.forcing_choice()
-            && kind.is_shear()
-        {
+        let Some(ForcingChoice { kind, wave, remove_mean_force }) = self.forcing_choice() else {
+            return;
+        };
+        if kind.is_shear() {
             (self.flow, self.gradient, self.waves) = (Some(wave.flow), Some(wave.gradient), Some(wave.waves));
+        }
+        if kind.is_shear() || matches!(kind, ForcingKind::Expression(_)) {
             self.remove_mean_force = Some(remove_mean_force);
         }
     }

@@ -131,7 +131,7 @@ impl Input {
                 }
             }
             if let Some((law, fault)) = fault {
-                return Err(wrong_expression(&format!("{path}.potential.{law}"), fault));
+                return Err(wrong_expression(&format!("{path}.potential.{law}"), "energy", fault));
             }
         }
         if self.interactions().cutoff() == 0.0 {

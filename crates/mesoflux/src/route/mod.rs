@@ -34,7 +34,7 @@ use mesoflux_io::results::{Conditions, Table};
 use std::io::{self, Write};
 
 /// How a run is driven; runs that agree in it are the same run, whichever routes ask for them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum RunKind {
     /// Not at all.
     Equilibrium,
@@ -86,21 +86,15 @@ impl RunKind {
     ///
     /// The strength itself enters, not its place in a list: a list that grows leaves the runs of its old entries as they were.
     pub fn identity(&self) -> Vec<u64> {
-        let of = |forcing: ForcingChoice| {
-            let ForcingChoice { kind, wave, remove_mean_force } = forcing;
-            let shear = [wave.flow as u64, wave.gradient as u64, wave.waves.into(), remove_mean_force.into()];
-            let more = if kind.is_shear() { &shear[..] } else { &[] };
-            (kind as u64, more.to_vec())
-        };
-        match *self {
+        match self {
             Self::Equilibrium => vec![0, 0, 0],
             Self::Nemd { forcing, magnitude } => {
-                let (kind, more) = of(forcing);
+                let (kind, more) = forcing.identity();
                 [vec![1, kind, magnitude.to_bits()], more].concat()
             }
             Self::Norton { forcing, flux, projection } => {
-                let (kind, more) = of(forcing);
-                [vec![2, kind, flux.to_bits(), projection as u64], more].concat()
+                let (kind, more) = forcing.identity();
+                [vec![2, kind, flux.to_bits(), *projection as u64], more].concat()
             }
             Self::AtDensity { factor } => vec![3, 0, factor.to_bits()],
         }

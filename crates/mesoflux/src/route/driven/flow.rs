@@ -49,7 +49,7 @@ pub(super) struct FlowReader {
 }
 
 impl FlowReader {
-    pub(super) fn new(input: &Input, choice: ForcingChoice, layers: usize) -> Option<Self> {
+    pub(super) fn new(input: &Input, choice: &ForcingChoice, layers: usize) -> Option<Self> {
         // The input was found right, its forcing with it.
         let field = choice.field(input.particles() as usize, input.sides()).ok()?;
         Some(Self { flow: choice.wave.flow as usize, gradient: choice.wave.gradient as usize, layers, field })

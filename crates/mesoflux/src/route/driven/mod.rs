@@ -49,7 +49,7 @@ pub(super) trait Way: Send + Sync {
     const PLACE: usize;
 
     /// How the fluid is pushed.
-    fn forcing(&self) -> ForcingChoice;
+    fn forcing(&self) -> &ForcingChoice;
 
     /// The strengths that are imposed.
     fn strengths(&self) -> &[f64];

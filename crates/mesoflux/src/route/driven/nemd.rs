@@ -19,8 +19,8 @@ impl Way for Nemd {
     const ANSWER: Unit = Unit { name: "flux", unit: "v" };
     const PLACE: usize = DrivenRecord::FLUX;
 
-    fn forcing(&self) -> ForcingChoice {
-        self.forcing
+    fn forcing(&self) -> &ForcingChoice {
+        &self.forcing
     }
 
     fn strengths(&self) -> &[f64] {
@@ -32,7 +32,7 @@ impl Way for Nemd {
     }
 
     fn run(&self, magnitude: f64) -> RunKind {
-        RunKind::Nemd { forcing: self.forcing, magnitude }
+        RunKind::Nemd { forcing: self.forcing.clone(), magnitude }
     }
 
     fn coefficient(transport: &Transport, slope: Estimate) -> Estimate {

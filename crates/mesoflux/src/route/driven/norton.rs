@@ -19,8 +19,8 @@ impl Way for Norton {
     const ANSWER: Unit = Unit { name: "forcing", unit: "f" };
     const PLACE: usize = DrivenRecord::FORCING;
 
-    fn forcing(&self) -> ForcingChoice {
-        self.forcing
+    fn forcing(&self) -> &ForcingChoice {
+        &self.forcing
     }
 
     fn strengths(&self) -> &[f64] {
@@ -32,7 +32,7 @@ impl Way for Norton {
     }
 
     fn run(&self, flux: f64) -> RunKind {
-        RunKind::Norton { forcing: self.forcing, flux, projection: self.parameters.projection }
+        RunKind::Norton { forcing: self.forcing.clone(), flux, projection: self.parameters.projection }
     }
 
     fn checks_observable(&self) -> bool {
