@@ -11,6 +11,9 @@ use mesoflux_io::results::Table;
 /// Variance, correlation time Θ and asymptotic variance 2∫C dt = 2 Var Θ (Wu & Shang, eqs 90 to 93) are those of the answer averaged
 /// over the sample interval: the asymptotic variance is the same for any interval, the variance of the answer itself that of samples
 /// taken at every step.
+///
+/// They are integrals of the autocorrelation where that is asked for, else what blocking finds. Blocks tell less: a current that is
+/// driven back by its neighbors has a negative tail of its autocorrelation, which they may miss.
 pub(super) fn table<W: Way>(
     strengths: &[f64],
     records: &[&DrivenRecord],
@@ -42,7 +45,10 @@ pub(super) fn table<W: Way>(
         let mut unit = vec![0.0; series.components()];
         unit[W::PLACE] = 1.0;
         let answer = series.component(W::PLACE);
-        let memory = series.autocorrelation_time(&unit, spacing)?;
+        let memory = match &record.autocorrelation {
+            Some(correlator) => correlator.autocorrelation_time(),
+            None => series.autocorrelation_time(&unit, spacing)?,
+        };
         let asymptotic = told(memory.asymptotic_variance);
         let mut row = vec![strength];
         row.extend(cells(&answer));
