@@ -11,13 +11,13 @@ const TYPED: &str = r#"
 quantity = "shear_viscosity"
 forcing = "sinusoidal"
 routes.nemd = { magnitude = [1.0, 2.0] }
-routes.norton = { flux = [0.075, 0.15] }
+routes.norton = { flux = [0.4, 0.8] }
 
 [measure.shear]
 quantity = "transport_coefficient"
 forcing.expression = { force = ["sin(2*pi*y/ly)", "0", "0"], response = ["2*a*sin(2*pi*y/ly)/n", "0", "0"], parameters = { a = 2.0 } }
 routes.nemd = { magnitude = [1.0, 2.0] }
-routes.norton = { flux = [0.3, 0.6] }
+routes.norton = { flux = [1.6, 3.2] }
 
 [measure.mobility]
 quantity = "mobility"
