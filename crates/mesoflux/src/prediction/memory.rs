@@ -16,8 +16,8 @@ static ALLOCATOR: PeakAlloc = PeakAlloc;
 const SAMPLE: u64 = 20_000;
 /// Steps of a copy, by which its lists have been built again and again and have the room that they need.
 const STEPS: u64 = 60;
-/// Bytes that the program takes beside its runs, most of them its own code.
-const PROGRAM: f64 = 6.5e6;
+/// Bytes that the program takes beside its runs, most of them its own code: 7.8e6 as released, 10.2e6 as tests build it.
+const PROGRAM: f64 = 9.0e6;
 /// Below this many particles at a time nobody runs out of memory.
 const FEW_PARTICLES: u64 = 200_000;
 
