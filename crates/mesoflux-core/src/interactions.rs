@@ -1,6 +1,6 @@
 //! Which laws act between which species.
 
-use crate::friction::Friction;
+use crate::friction::{Dependence, Friction};
 use crate::potential::Potential;
 
 /// The number of an unordered pair of species.
@@ -103,7 +103,7 @@ impl Interactions {
     pub fn uniform(potential: Option<Potential>, friction: Option<Friction>, mass: f64) -> Self {
         Self {
             potentials: PairTable { species: 1, entries: vec![potential] },
-            frictions: PairTable::from_fn(1, |_, _| friction),
+            frictions: PairTable { species: 1, entries: vec![friction] },
             inverse_reduced_masses: PairTable::from_fn(1, |_, _| 2.0 / mass),
         }
     }
@@ -113,6 +113,12 @@ impl Interactions {
         let potentials = self.potentials.entries().iter().flatten().map(Potential::cutoff);
         let frictions = self.frictions.entries().iter().flatten().map(Friction::cutoff);
         potentials.chain(frictions).fold(0.0, f64::max)
+    }
+
+    /// On what frictions depend beside the distance: that which depends on most.
+    pub fn friction_dependence(&self) -> Dependence {
+        let frictions = self.frictions.entries().iter().flatten();
+        frictions.map(Friction::dependence).max().unwrap_or(Dependence::Distance)
     }
 
     /// Whether all pairs are of one kind.
@@ -129,7 +135,7 @@ impl Interactions {
         let felt = |exclusion: Exclusion, excluded: bool| !excluded && occurring.contains(&exclusion);
         Self {
             potentials: self.potentials.extended(|e, law| law.clone().filter(|_| felt(e, e.potential()))),
-            frictions: self.frictions.extended(|e, law| law.filter(|_| felt(e, e.friction()))),
+            frictions: self.frictions.extended(|e, law| law.clone().filter(|_| felt(e, e.friction()))),
             inverse_reduced_masses: self.inverse_reduced_masses.extended(|_, &mass| mass),
         }
     }

@@ -56,6 +56,8 @@ pub enum Purpose {
     Pair = 2,
     /// A letter's noise on single particles.
     Particle = 3,
+    /// The Metropolis tests of a letter's pairs.
+    Acceptance = 4,
 }
 
 /// The identity of one run among all runs of a job: seed, sweep point, route, point of the route, replica.
@@ -137,11 +139,55 @@ impl Draw {
         }
     }
 
+    /// Numbers uniform in [0, 1) for the block's unordered pairs of particles, given by their ids.
+    #[inline(always)]
+    pub(crate) fn pair_uniforms<L: Lanes>(self, streams: usize, ids: &[BlockNumbers; 2], uniforms: &mut BlockNumbers) {
+        for s in 0..streams {
+            let [a, b] = L::sort_words(L::load(&ids[0][s]).to_bits(), L::load(&ids[1][s]).to_bits());
+            let [x, y] = self.pair_words(a, b);
+            (one_to_two::<L>(x, y) - L::splat(1.0)).store(&mut uniforms[s]);
+        }
+    }
+
     /// The normal deviate of an unordered pair of particles with ids below 2³², the same whichever comes first.
     #[inline(always)]
     pub fn pair_gaussian(self, i: u64, j: u64) -> f64 {
         let [x, y] = self.pair_words(i.min(j), i.max(j));
         f64::from(normal_of_words::<f32>(x as u32, y as u32))
+    }
+
+    /// A number uniform in [0, 1) for an unordered pair of particles with ids below 2³², the same whichever comes first.
+    #[inline(always)]
+    pub fn pair_uniform(self, i: u64, j: u64) -> f64 {
+        let [x, y] = self.pair_words(i.min(j), i.max(j));
+        one_to_two::<f64>(x, y) - 1.0
+    }
+}
+
+/// The uniform numbers of many unordered pairs of ids at once: the numbers that `Draw::pair_uniform` gives one by one.
+#[cfg(test)]
+struct PairUniforms<'a> {
+    draw: Draw,
+    pairs: &'a [[u64; 2]],
+    uniforms: &'a mut Vec<f64>,
+}
+
+#[cfg(test)]
+impl Kernel for PairUniforms<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (mut ids, mut uniforms) = ([BlockNumbers::default(); 2], BlockNumbers::default());
+        for pairs in self.pairs.chunks_exact(WIDTH) {
+            for (k, pair) in pairs.iter().enumerate() {
+                for member in 0..2 {
+                    ids[member][0][k] = f64::from_bits(pair[member]);
+                }
+            }
+            self.draw.pair_uniforms::<L>(1, &ids, &mut uniforms);
+            self.uniforms.extend_from_slice(&uniforms[0]);
+        }
     }
 }
 
@@ -291,6 +337,31 @@ mod tests {
             set.run(PairGaussians { draw, pairs: &pairs, gaussians: &mut gaussians });
             let found: Vec<u64> = gaussians.iter().map(|gaussian| gaussian.to_bits()).collect();
             assert_eq!(found, expected, "{set:?}");
+            let mut uniforms = Vec::new();
+            set.run(PairUniforms { draw, pairs: &pairs, uniforms: &mut uniforms });
+            let expected: Vec<f64> = pairs.iter().map(|&[i, j]| draw.pair_uniform(i, j)).collect();
+            assert_eq!(uniforms, expected, "{set:?}");
+        }
+    }
+
+    #[test]
+    fn uniforms_of_pairs_are_uniform() {
+        let draw = NoiseKey::new(&[4]).draw(Purpose::Acceptance, 5, 1);
+        let n = 1_000_000;
+        let mut sums = [0.0; 3];
+        for k in 0..n {
+            let x = draw.pair_uniform(k, k + 3);
+            assert!((0.0..1.0).contains(&x));
+            for (power, sum) in sums.iter_mut().enumerate() {
+                *sum += (x - 0.5).powi(power as i32 + 1);
+            }
+        }
+        // Mean and variance of the first three central powers of a uniform number: 0, 1/12, 0 and 1/12, 1/180, 1/448.
+        for (sum, (mean, variance)) in
+            sums.into_iter().zip([(0.0, 1.0 / 12.0), (1.0 / 12.0, 1.0 / 180.0), (0.0, 1.0 / 448.0)])
+        {
+            let z = (sum / n as f64 - mean) / f64::sqrt(variance / n as f64);
+            assert!(z.abs() < 4.0, "z = {z}");
         }
     }
 

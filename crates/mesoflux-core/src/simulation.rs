@@ -19,7 +19,7 @@ pub enum SetupError {
     Forcing(#[from] ForcingError),
     /// A driving with an integrator that has no letters.
     #[error(
-        "a driven run needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act"
+        "a driven run needs a splitting word such as \"ABOBA\": other schemes have no letters between which to act"
     )]
     DrivingNeedsWord,
     /// A letter that can't say what Norton dynamics needs to book.
@@ -97,7 +97,7 @@ impl Simulation {
     pub fn snapshot(&self) -> SimulationSnapshot<'_> {
         let (velocity_verlet, velocity_verlet_stress) = match &self.integrator {
             Integrator::VelocityVerlet(scheme) => (scheme.force_column(), scheme.force_stress()),
-            Integrator::Splitting(_) => (None, None),
+            Integrator::Splitting(_) | Integrator::Explicit(_) => (None, None),
         };
         let driving = self.driving.as_ref().map_or_else(Vec::new, |driving| driving.memory());
         SimulationSnapshot { system: self.system.snapshot(), velocity_verlet, velocity_verlet_stress, driving }
@@ -124,7 +124,7 @@ impl Simulation {
                 scheme.resume(column, snapshot.velocity_verlet_stress);
                 Ok(())
             }
-            (Integrator::Splitting(_), None) => Ok(()),
+            (Integrator::Splitting(_) | Integrator::Explicit(_), None) => Ok(()),
             _ => Err(SnapshotError::Inconsistent),
         }
     }
@@ -139,6 +139,7 @@ impl Simulation {
         self.system.booked = self.books_stress.then(BookedStress::default);
         match &mut self.integrator {
             Integrator::VelocityVerlet(scheme) => scheme.step(&mut self.system, self.noise, self.time_step)?,
+            Integrator::Explicit(scheme) => scheme.step(&mut self.system, self.noise, self.time_step)?,
             Integrator::Splitting(schedule) => {
                 let backward = schedule.backward(self.system.step);
                 for (place, (letter, share)) in schedule.entries().iter().enumerate() {

@@ -4,6 +4,7 @@ use crate::bond::{Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::field::Fields;
+use crate::friction::Dependence;
 use crate::integrate::{Constraint, Integrator};
 use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
@@ -11,7 +12,7 @@ use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
 use crate::observable::BookedStress;
 use crate::pair::{
     PairNoise, PairStress, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_stress, pair_sums,
-    velocity_dependent_forces,
+    velocity_dependent_forces, velocity_dependent_sweep,
 };
 use crate::state::Particles;
 use crate::tensor::SymmetricTensor;
@@ -90,6 +91,8 @@ pub struct System {
     fields: Fields,
     /// Whether the integrator leaves the total momentum as it was.
     conserving: bool,
+    /// kT of the integrator's noise.
+    temperature: f64,
     list: NeighborList,
     force: Vec<Row>,
     /// Room for velocities, for those who need them by row.
@@ -125,6 +128,7 @@ impl System {
             topology: Topology::default(),
             fields: Fields::default(),
             conserving: true,
+            temperature: 0.0,
             list,
             force: Vec::new(),
             velocity: Vec::new(),
@@ -161,7 +165,13 @@ impl System {
     #[must_use]
     pub fn with_integrator(mut self, integrator: &Integrator) -> Self {
         self.conserving = integrator.conserves_momentum();
+        self.temperature = integrator.temperature();
         self
+    }
+
+    /// kT of the integrator's noise.
+    pub fn bath_temperature(&self) -> f64 {
+        self.temperature
     }
 
     /// The external fields.
@@ -291,12 +301,31 @@ impl System {
         force
     }
 
+    /// Moves every particle with the velocities of one instant and the forces that were worked out last, for a time.
+    pub(crate) fn kick_and_fly(&mut self, velocity: &[Row], time: f64) {
+        let Self { particles, force, workers, .. } = self;
+        workers.for_each_chunk_of_two(
+            &mut particles.position,
+            &mut particles.momentum,
+            |offset, positions, momenta| {
+                for (k, (position, momentum)) in positions.iter_mut().zip(momenta).enumerate() {
+                    add_scaled(position, time, velocity[offset + k].vector());
+                    add_scaled(momentum, time, force[offset + k].vector());
+                }
+            },
+        );
+    }
+
     /// Lets the pair thermostat sweep once over all pairs; returns the expected change of the flux, and ξ.
     pub(crate) fn sweep(&mut self, sweep: &Sweep, constraint: Option<&Constraint>) -> (f64, Option<f64>) {
         self.update_contacts();
         self.update_velocities();
         let Self { particles, velocity, workers, .. } = self;
-        let sums = ornstein_uhlenbeck_sweep(&self.list, &self.interactions, particles, velocity, sweep, *workers);
+        let (list, interactions) = (&self.list, &self.interactions);
+        let sums = match interactions.friction_dependence() {
+            Dependence::Distance => ornstein_uhlenbeck_sweep(list, interactions, particles, velocity, sweep, *workers),
+            _ => velocity_dependent_sweep(list, interactions, particles, velocity, sweep, *workers),
+        };
         if let Some(booked) = &mut self.booked {
             booked.dissipative += sums.dissipative;
             booked.random += sums.random;
@@ -381,7 +410,7 @@ impl System {
     /// The stress of pairs and bonds at the present positions: see `pair::pair_stress`.
     pub(crate) fn pair_stress_of(&mut self, velocity: Option<&[Row]>, noise: Option<&PairNoise>) -> PairStress {
         self.update_contacts();
-        let mut stress = pair_stress(&self.list, &self.interactions, velocity, noise, self.workers);
+        let mut stress = pair_stress(&self.list, &self.interactions, velocity, self.temperature, noise, self.workers);
         stress.conservative += self.topology.stress(&self.particles, &self.region);
         stress
     }

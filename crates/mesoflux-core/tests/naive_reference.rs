@@ -4,14 +4,18 @@
 mod common;
 
 use common::naive::{Flux, Matrix, Naive};
-use common::{Fluid, by_id, forcing, friction, interactions, lennard_jones, splitting, unwrapped, velocity_verlet};
+use common::{Fluid, by_id, forcing, friction, interactions, lennard_jones, splitting, unwrapped};
 use mesoflux_core::bond::{Bond, BondLaw, ExclusionRange, Topology};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
 use mesoflux_core::forcing::{ForcingField, ForcingKind};
 use mesoflux_core::friction::Friction;
-use mesoflux_core::integrate::{Change, FluxChange, Integrator, Schedule, Stroke};
+use mesoflux_core::friction::cross::Cross;
+use mesoflux_core::friction::dot::Dot;
+use mesoflux_core::friction::expression::Source;
+use mesoflux_core::friction::fluctuation_dissipation::Correction;
+use mesoflux_core::integrate::{Change, Explicit, FluxChange, Integrator, Schedule, Stroke, VelocityVerlet};
 use mesoflux_core::noise::{NoiseKey, Purpose};
 use mesoflux_core::observable::{BookedStress, Stress};
 use mesoflux_core::potential::Potential;
@@ -55,8 +59,22 @@ fn scattered(count: usize, apart: f64, region: &PeriodicBox, noise: NoiseKey) ->
     points
 }
 
+/// Frictions: linear ones, Cross, Dot, typed ones, or of each pair of species another (`choice` 0 to 4).
+fn rubbing(choice: usize, kind: usize, coefficient: f64, cutoff: f64) -> Friction {
+    let typed = "g*(1 - r/c)^2/(1 + 0.3*radial^2 + 0.2*transverse)";
+    match (choice + if choice == 4 { kind } else { 0 }) % 4 {
+        0 => Friction::Linear(friction(coefficient, cutoff)),
+        1 => Friction::Cross(Cross { coefficient, thinning: 0.4, cutoff, exponent: 2.0 }),
+        2 => Friction::Dot(Dot { coefficient, thinning: 0.3, cutoff, exponent: 1.5 }),
+        _ => {
+            let parameters = [("g".to_owned(), coefficient), ("c".to_owned(), cutoff)].into();
+            Friction::Expression(Source { friction: typed.into(), parameters, cutoff }.into())
+        }
+    }
+}
+
 /// A random state: soft particles, a Lennard-Jones fluid or an ideal one (`law` 0, 1, 2), of one or two species.
-fn random_system(law: usize, species: usize, shape: [f64; 3], noise: NoiseKey) -> System {
+fn random_system(law: usize, frictions: usize, species: usize, shape: [f64; 3], noise: NoiseKey) -> System {
     let potential = |a: usize, b: usize| match law {
         0 => Some(Potential::Soft(Soft { repulsion: 25.0 + 10.0 * (a + b) as f64, cutoff: 1.0 - 0.1 * a as f64 })),
         1 if a == b => Some(lennard_jones(1.6, Truncation::ForceShifted)),
@@ -64,7 +82,7 @@ fn random_system(law: usize, species: usize, shape: [f64; 3], noise: NoiseKey) -
         _ => None,
     };
     let rubbing =
-        |a: usize, b: usize| Some(Friction::Linear(friction(4.5 + 8.0 * (a + b) as f64, 1.2 + 0.1 * b as f64)));
+        |a: usize, b: usize| Some(rubbing(frictions, a + b, 4.5 + 8.0 * (a + b) as f64, 1.2 + 0.1 * b as f64));
     let masses = [1.0, 3.7];
     let region = PeriodicBox::new(shape).unwrap();
     let apart = if law == 1 { 0.85 } else { 0.05 };
@@ -297,8 +315,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn conservative_forces(law in 0usize..2, species in 1usize..3, bonds in 0usize..5, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
-        let mut system = bonded(random_system(law, species, shape, NoiseKey::new(&[seed])), exclusions(bonds));
+    fn conservative_forces(law in 0usize..2, frictions in 0usize..5, species in 1usize..3, bonds in 0usize..5, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
+        let mut system = bonded(random_system(law, frictions, species, shape, NoiseKey::new(&[seed])), exclusions(bonds));
         system.update_forces();
         let (expected, magnitude) = Naive::of(&system).forces();
         let forces: Vec<Vector> = system.forces().iter().map(|row| row.vector()).collect();
@@ -307,8 +325,8 @@ proptest! {
     }
 
     #[test]
-    fn stress(law in 0usize..3, species in 1usize..3, bonds in 0usize..5, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
-        let mut system = bonded(random_system(law, species, shape, NoiseKey::new(&[seed])), exclusions(bonds));
+    fn stress(law in 0usize..3, frictions in 0usize..5, species in 1usize..3, bonds in 0usize..5, shape in [3.9..8.0f64, 3.9..8.0f64, 3.9..8.0f64], seed: u64) {
+        let mut system = bonded(random_system(law, frictions, species, shape, NoiseKey::new(&[seed])), exclusions(bonds));
         let naive = Naive::of(&system);
         let velocity: Vec<Vector> = naive.p.iter().zip(&naive.mass).map(|(p, m)| p.map(|p| p / m)).collect();
         let (found, expected) = (Stress::of(&mut system), naive.stress(&velocity));
@@ -320,35 +338,45 @@ proptest! {
     }
 
     #[test]
-    fn words(law in 0usize..3, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, start in 0u64..2, seed: u64) {
+    fn words(law in 0usize..3, frictions in 0usize..5, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, start in 0u64..2, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
-        let mut system = bonded(random_system(law, species, shape, noise), exclusions(bonds));
+        let mut system = bonded(random_system(law, frictions, species, shape, noise), exclusions(bonds));
         system.step = start;
         compare_steps(system, WORDS[word], Drive::None, noise)?;
     }
 
     #[test]
-    fn driven_words(species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, kind in 0usize..5, norton: bool, seed: u64) {
+    fn driven_words(frictions in 0usize..5, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], word in 0usize..4, kind in 0usize..5, norton: bool, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
         let kind = &FORCINGS[kind];
         let drive = if norton { Drive::Norton(kind) } else { Drive::Nemd(kind) };
-        let system = bonded(random_system(seed as usize % 3, species, shape, noise), exclusions(bonds));
+        let system = bonded(random_system(seed as usize % 3, frictions, species, shape, noise), exclusions(bonds));
         compare_steps(system, WORDS[word], drive, noise)?;
     }
 
     #[test]
-    fn groot_and_warrens_velocity_verlet(law in 0usize..3, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], seed: u64) {
+    fn velocity_verlet_and_the_explicit_scheme(law in 0usize..3, frictions in 0usize..5, species in 1usize..3, bonds in 0usize..5, shape in [3.9..7.0f64, 3.9..7.0f64, 3.9..7.0f64], explicit: bool, two_steps: bool, seed: u64) {
         let noise = NoiseKey::new(&[seed]);
-        let system = bonded(random_system(law, species, shape, noise), exclusions(bonds));
+        let correction = if two_steps { Correction::TwoStep } else { Correction::Derivative };
+        let integrator = if explicit {
+            Integrator::Explicit(Explicit::new(1.0, correction))
+        } else {
+            Integrator::VelocityVerlet(VelocityVerlet::new(1.0, 0.5, correction))
+        };
+        let system = bonded(random_system(law, frictions, species, shape, noise), exclusions(bonds));
         let mut naive = Naive::of(&system);
-        let mut simulation = Simulation::new(system, velocity_verlet(), None, noise, 0.008).unwrap();
+        let mut simulation = Simulation::new(system, integrator, None, noise, 0.008).unwrap();
         simulation.book_stress(true);
         let mut booked = [BookedStress::default(); 3];
         for booked in &mut booked {
             assert!(simulation.step().unwrap().is_none());
             *booked = *simulation.booked_stress().unwrap();
         }
-        naive.velocity_verlet(3, 0.008, 0.5, noise);
+        if explicit {
+            naive.explicit(3, 0.008, (noise, correction));
+        } else {
+            naive.velocity_verlet(3, 0.008, 0.5, (noise, correction));
+        }
         let sum = |part: fn(&BookedStress) -> SymmetricTensor| part(&booked[0]) + part(&booked[1]) + part(&booked[2]);
         let all = BookedStress {
             kinetic: sum(|booked| booked.kinetic),

@@ -8,6 +8,7 @@ mod common;
 use common::forcing;
 use mesoflux_core::driving::{ConstantFlux, Driving, Projection};
 use mesoflux_core::forcing::ForcingKind;
+use mesoflux_core::friction::fluctuation_dissipation::Correction;
 use mesoflux_core::friction::{Friction, linear::Linear};
 use mesoflux_core::integrate::{Integrator, Schedule, SweepOrder, Thermostat, VelocityVerlet};
 use mesoflux_core::interactions::Interactions;
@@ -62,7 +63,10 @@ fn a_restored_simulation_goes_on_to_the_same_bits() {
     goes_on_to_the_same_bits(|| word("ABOBA"), false);
     goes_on_to_the_same_bits(|| word("OBABO"), false);
     goes_on_to_the_same_bits(|| word("ABOBA"), true);
-    goes_on_to_the_same_bits(|| Integrator::VelocityVerlet(VelocityVerlet::new(1.0, 0.5)), false);
+    goes_on_to_the_same_bits(
+        || Integrator::VelocityVerlet(VelocityVerlet::new(1.0, 0.5, Correction::default())),
+        false,
+    );
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn squared_lever_arms(system: &mut System) -> [f64; 5] {
     for contacts in system.contacts().contacts() {
         for k in 0..contacts.count() {
             let ([i, j], (r, e)) = (contacts.pair(k), contacts.separation(k, &positions, &region));
-            let strength = frictions.entries()[contacts.kind(k)].unwrap().strength(r);
+            let strength = frictions.entries()[contacts.kind(k)].as_ref().unwrap().at_rest(r);
             let [x, y, z] = e;
             let shear = [x * y, x * z, y * z, (x * x - y * y) / 2.0, (x * x + y * y - 2.0 * z * z) / 12f64.sqrt()];
             for (c, t) in shear.into_iter().enumerate() {
@@ -202,7 +202,7 @@ fn each_layer_has_its_share_of_every_line() {
                     laws.potentials.get(species[0], species[1]).as_ref().unwrap().force(r)
                 };
                 let strength =
-                    if bonded { 0.0 } else { laws.frictions.get(species[0], species[1]).unwrap().strength(r) };
+                    if bonded { 0.0 } else { laws.frictions.get(species[0], species[1]).as_ref().unwrap().at_rest(r) };
                 if force != 0.0 || strength != 0.0 {
                     let u = dot(d, subtract(particles.velocity(i), particles.velocity(j))) / r;
                     let square = SymmetricTensor::square(d);

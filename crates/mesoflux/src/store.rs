@@ -224,7 +224,11 @@ mod tests {
         let region = PeriodicBox::new([4.0; 3]).unwrap();
         let laws = Interactions::uniform(None, Some(friction), 1.0);
         let system = System::new(particles, region, laws, 0.3, Workers::One).unwrap();
-        let integrator = integrate::Integrator::VelocityVerlet(integrate::VelocityVerlet::new(1.0, 0.5));
+        let integrator = integrate::Integrator::VelocityVerlet(integrate::VelocityVerlet::new(
+            1.0,
+            0.5,
+            friction::fluctuation_dissipation::Correction::default(),
+        ));
         Simulation::new(system, integrator, None, NoiseKey::new(&[1]), 0.01).unwrap()
     }
 

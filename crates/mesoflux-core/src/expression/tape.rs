@@ -105,7 +105,16 @@ impl Kernel for Fill<'_> {
         let Self { tape, streams, variables, values } = self;
         // Registers are written before they are read: one set will do for the whole block.
         let mut registers = [Twice::<L>::splat(0.0); REGISTERS];
-        for from in (0..streams.min(8)).step_by(2) {
+        let streams = streams.min(8);
+        if streams == 1 {
+            let mut registers = [L::splat(0.0); REGISTERS];
+            for (register, variable) in registers.iter_mut().zip(variables).take(tape.variables) {
+                *register = L::load(&variable[0]);
+            }
+            tape.run(&mut registers).store(&mut values[0]);
+            return;
+        }
+        for from in (0..streams).step_by(2) {
             for (register, variable) in registers.iter_mut().zip(variables).take(tape.variables) {
                 *register = Twice(L::load(&variable[from]), L::load(&variable[from + 1]));
             }

@@ -21,7 +21,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    fn default_exponent() -> f64 {
+    pub(super) fn default_exponent() -> f64 {
         2.0
     }
 }
@@ -44,7 +44,7 @@ impl PairFriction for Quadratic {
     }
 
     #[inline(always)]
-    fn strength<R: Real>(&self, r: R) -> R {
+    fn amplitude<R: Real>(&self, r: R) -> R {
         let overlap = R::splat(1.0) - r * R::splat(1.0 / self.0.cutoff);
         R::splat(self.0.coefficient) * (overlap * overlap)
     }
@@ -60,7 +60,7 @@ impl PairFriction for Linear {
     }
 
     #[inline(always)]
-    fn strength<R: Real>(&self, r: R) -> R {
+    fn amplitude<R: Real>(&self, r: R) -> R {
         R::splat(self.coefficient) * power(R::splat(1.0) - r * R::splat(1.0 / self.cutoff), self.exponent)
     }
 
@@ -78,15 +78,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strength_is_the_documented_power_and_vanishes_at_the_cutoff() {
+    fn the_friction_is_the_documented_power_and_vanishes_at_the_cutoff() {
         for exponent in [0.5, 1.0, 2.0, 3.5] {
             let law = Linear { coefficient: 4.5, cutoff: 2.5, exponent };
-            assert!((law.strength(0.0) - 4.5).abs() < 1e-14);
-            assert_eq!(law.strength(2.5), 0.0);
+            assert!((law.amplitude(0.0) - 4.5).abs() < 1e-14);
+            assert_eq!(law.amplitude(2.5), 0.0);
             for r in [0.1, 1.0, 2.4] {
                 let expected = 4.5 * (1.0 - r / 2.5f64).powf(exponent);
-                assert!(exponent != 2.0 || (law.quadratic().strength(r) / expected - 1.0).abs() < 1e-15);
-                assert!((law.strength(r) / expected - 1.0).abs() < 1e-13);
+                assert!(exponent != 2.0 || (law.quadratic().amplitude(r) / expected - 1.0).abs() < 1e-15);
+                assert!((law.amplitude(r) / expected - 1.0).abs() < 1e-13);
             }
         }
     }

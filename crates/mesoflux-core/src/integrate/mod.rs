@@ -1,6 +1,7 @@
 //! Integrators: letters, the words made of them, and velocity Verlet.
 
 mod drift;
+mod explicit;
 mod kick;
 mod langevin;
 mod pair_ornstein_uhlenbeck;
@@ -8,6 +9,7 @@ mod splitting;
 mod velocity_verlet;
 
 pub use drift::Drift;
+pub use explicit::Explicit;
 pub use kick::Kick;
 pub use langevin::{Langevin, ParticleOrnsteinUhlenbeck};
 pub use pair_ornstein_uhlenbeck::PairOrnsteinUhlenbeck;
@@ -121,6 +123,8 @@ pub enum Integrator {
     Splitting(Schedule),
     /// Groot and Warren's velocity Verlet.
     VelocityVerlet(VelocityVerlet),
+    /// The explicit scheme.
+    Explicit(Explicit),
 }
 
 impl Integrator {
@@ -128,7 +132,16 @@ impl Integrator {
     pub fn conserves_momentum(&self) -> bool {
         match self {
             Self::Splitting(schedule) => schedule.entries().iter().all(|(letter, _)| letter.conserves_momentum()),
-            Self::VelocityVerlet(_) => true,
+            Self::VelocityVerlet(_) | Self::Explicit(_) => true,
+        }
+    }
+
+    /// kT of its noise.
+    pub fn temperature(&self) -> f64 {
+        match self {
+            Self::Splitting(schedule) => schedule.temperature(),
+            Self::VelocityVerlet(scheme) => scheme.temperature(),
+            Self::Explicit(scheme) => scheme.temperature(),
         }
     }
 }

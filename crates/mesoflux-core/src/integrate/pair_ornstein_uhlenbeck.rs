@@ -26,6 +26,7 @@ impl Letter for PairOrnsteinUhlenbeck {
             temperature: self.temperature,
             time: stroke.time,
             noise: stroke.noise.draw(Purpose::Pair, system.step, stroke.place),
+            acceptance: stroke.noise.draw(Purpose::Acceptance, system.step, stroke.place),
             backward: stroke.backward,
             response: stroke.response,
             book_stress: system.booked.is_some(),
@@ -37,6 +38,6 @@ impl Letter for PairOrnsteinUhlenbeck {
     fn dissipative_flux(&self, system: &mut System, response: &[Row]) -> f64 {
         let workers = system.workers;
         let (list, interactions, particles) = system.with_contacts();
-        dissipative_flux(list, interactions, particles, response, workers)
+        dissipative_flux(list, interactions, particles, response, self.temperature, workers)
     }
 }

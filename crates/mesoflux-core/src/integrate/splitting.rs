@@ -29,6 +29,7 @@ pub struct Schedule {
     word: String,
     entries: Vec<(Box<dyn Letter>, f64)>,
     sweep: SweepOrder,
+    temperature: f64,
 }
 
 impl Schedule {
@@ -59,7 +60,12 @@ impl Schedule {
         if thermostat != Thermostat::None && !word.contains('O') {
             return Err(WordError::MissingThermostat);
         }
-        Ok(Self { word: word.to_owned(), entries, sweep })
+        Ok(Self { word: word.to_owned(), entries, sweep, temperature })
+    }
+
+    /// kT of its thermostat.
+    pub fn temperature(&self) -> f64 {
+        self.temperature
     }
 
     /// The word.

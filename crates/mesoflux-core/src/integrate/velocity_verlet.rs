@@ -1,5 +1,6 @@
 //! Groot and Warren's modified velocity Verlet, J. Chem. Phys. 107, 4423 (1997), eq. 17.
 
+use crate::friction::fluctuation_dissipation::Correction;
 use crate::lanes::Row;
 use crate::noise::{NoiseKey, Purpose};
 use crate::pair::{PairNoise, PairStress};
@@ -15,6 +16,7 @@ use crate::vector::add_scaled;
 pub struct VelocityVerlet {
     temperature: f64,
     lambda: f64,
+    correction: Correction,
     /// The force of the last step, which follows the particles through every reordering.
     force: Option<Column>,
     /// The stress of that force, where it is booked.
@@ -24,8 +26,13 @@ pub struct VelocityVerlet {
 
 impl VelocityVerlet {
     /// The scheme for kT and λ.
-    pub fn new(temperature: f64, lambda: f64) -> Self {
-        Self { temperature, lambda, force: None, stress: None, velocity: Vec::new() }
+    pub fn new(temperature: f64, lambda: f64, correction: Correction) -> Self {
+        Self { temperature, lambda, correction, force: None, stress: None, velocity: Vec::new() }
+    }
+
+    /// kT.
+    pub fn temperature(&self) -> f64 {
+        self.temperature
     }
 
     /// Where the scheme keeps its forces, once the first step is done.
@@ -110,7 +117,8 @@ impl VelocityVerlet {
     /// The force at the present positions and the velocities (p + t f)/m, with the noise of the step at whose end it stands.
     fn evaluate(&mut self, system: &mut System, noise: NoiseKey, time_step: f64, column: Column, t: f64, step: u64) {
         let workers = system.workers;
-        let noise = PairNoise { temperature: self.temperature, time_step, draw: noise.draw(Purpose::Pair, step, 0) };
+        let draw = noise.draw(Purpose::Pair, step, 0);
+        let noise = PairNoise { temperature: self.temperature, time_step, draw, correction: self.correction };
         let (particles, force) = (&system.particles, system.particles.column(column));
         self.velocity.resize(particles.count(), Row::default());
         workers.for_each_chunk(&mut self.velocity, |offset, velocities| {

@@ -261,14 +261,14 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn load_rows(column: &[Row], places: &[u32; WIDTH]) -> [Self; 4] {
+    unsafe fn load_rows(column: *const Row, places: &[u32; WIDTH]) -> [Self; 4] {
         let mut lanes = [Self::splat(0.0); 4];
         for half in 0..2 {
             // SAFETY: AVX2 is there; the caller promises that every place lies inside the column; rows are aligned.
             unsafe {
                 let mut rows = [_mm256_setzero_pd(); 4];
                 for k in 0..4 {
-                    rows[k] = _mm256_load_pd(column.as_ptr().add(places[4 * half + k] as usize).cast());
+                    rows[k] = _mm256_load_pd(column.add(places[4 * half + k] as usize).cast());
                 }
                 let (xz_0, xz_2) = (_mm256_unpacklo_pd(rows[0], rows[1]), _mm256_unpacklo_pd(rows[2], rows[3]));
                 let (yw_0, yw_2) = (_mm256_unpackhi_pd(rows[0], rows[1]), _mm256_unpackhi_pd(rows[2], rows[3]));

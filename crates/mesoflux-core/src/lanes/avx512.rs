@@ -237,10 +237,10 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn load_rows(column: &[Row], places: &[u32; WIDTH]) -> [Self; 4] {
+    unsafe fn load_rows(column: *const Row, places: &[u32; WIDTH]) -> [Self; 4] {
         // SAFETY: AVX-512 is there; the caller promises that every place lies inside the column; rows are aligned.
         unsafe {
-            let place = |k: usize| -> *const f64 { column.as_ptr().add(places[k] as usize).cast() };
+            let place = |k: usize| -> *const f64 { column.add(places[k] as usize).cast() };
             let places = [place(0), place(1), place(2), place(3), place(4), place(5), place(6), place(7)];
             let mut rows = [_mm512_setzero_pd(); 4];
             for k in 0..4 {

@@ -96,8 +96,8 @@ pub trait Lanes: Real {
     /// Rows are loaded whole and transposed: gathering numbers one by one is several times slower on many processors.
     ///
     /// # Safety
-    /// Every place lies inside the column.
-    unsafe fn load_rows(column: &[Row], places: &[u32; WIDTH]) -> [Self; 4];
+    /// Every place lies inside the column, and there is a row that may be read.
+    unsafe fn load_rows(column: *const Row, places: &[u32; WIDTH]) -> [Self; 4];
     /// The numbers in eight places of a column, one by one.
     ///
     /// # Panics

@@ -192,8 +192,9 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    unsafe fn load_rows(column: &[Row], places: &[u32; WIDTH]) -> [Self; 4] {
-        let rows = places.map(|place| column[place as usize].0);
+    unsafe fn load_rows(column: *const Row, places: &[u32; WIDTH]) -> [Self; 4] {
+        // SAFETY: the caller's promise.
+        let rows = places.map(|place| unsafe { (*column.add(place as usize)).0 });
         from_fn(|component| Self(rows.map(|row| row[component])))
     }
 

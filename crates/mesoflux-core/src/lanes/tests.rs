@@ -104,7 +104,7 @@ impl Kernel for Moves<'_> {
             product: 0.0,
         };
         // SAFETY: the places are below the column's length.
-        let [x, y, z, w] = unsafe { L::load_rows(self.column, &self.places) };
+        let [x, y, z, w] = unsafe { L::load_rows(self.column.as_ptr(), &self.places) };
         x.store(&mut moved.loaded[0]);
         y.store(&mut moved.loaded[1]);
         z.store(&mut moved.loaded[2]);

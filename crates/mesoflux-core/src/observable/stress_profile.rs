@@ -2,6 +2,8 @@
 
 use super::Stress;
 use crate::domain::Workers;
+use crate::friction::Motion;
+use crate::friction::fluctuation_dissipation::correction;
 use crate::system::System;
 use crate::tensor::SymmetricTensor;
 use crate::vector::{dot, subtract};
@@ -80,6 +82,7 @@ impl StressProfile {
 
 /// What the pairs contribute; the same bits for any number of threads.
 fn pairs(system: &mut System, layers: Layers, workers: Workers) -> Vec<Stress> {
+    let temperature = system.bath_temperature();
     let (list, interactions, particles) = system.with_contacts();
     let (potentials, frictions) = (interactions.potentials.entries(), interactions.frictions.entries());
     let particles = &*particles;
@@ -89,16 +92,19 @@ fn pairs(system: &mut System, layers: Layers, workers: Workers) -> Vec<Stress> {
             let ([i, j], kind) = (contacts.pair(k), contacts.kind(k));
             let (r, e) = contacts.separation(k, &particles.position, list.region());
             let force = potentials[kind].as_ref().map_or(0.0, |law| law.force(r));
-            let strength = frictions[kind].as_ref().map_or(0.0, |law| law.strength(r));
+            let motion = Motion::new(r, e, subtract(particles.velocity(i), particles.velocity(j)));
+            let [strength, slope] =
+                frictions[kind].as_ref().map_or([0.0; 2], |law| [law.strength(motion), law.slope(motion)]);
             if force != 0.0 || strength != 0.0 {
-                let u = dot(e, subtract(particles.velocity(i), particles.velocity(j)));
+                let inverse_reduced_mass = particles.inverse_mass[i] + particles.inverse_mass[j];
+                let dissipative = correction(slope, inverse_reduced_mass, temperature) - strength * motion.radial;
                 let direction = SymmetricTensor::square(e);
                 let friction = (strength * r * r) * SymmetricTensor::square(e.map(|e| e * e));
                 let axis = layers.axis;
                 layers.crossed(particles.position[i][axis], -r * e[axis], |layer, share| {
                     let target = &mut profile[layer];
                     target.conservative += (share * r * force) * direction;
-                    target.dissipative += (-share * r * strength * u) * direction;
+                    target.dissipative += (share * r * dissipative) * direction;
                     target.friction += share * friction;
                 });
             }

@@ -63,6 +63,43 @@ impl Contacts {
         contacts
     }
 
+    /// The contacts of a block of others in the order in which a sweep visits them, behind each other; returns how many.
+    ///
+    /// Their own block is then the first that they have: row by row as they are visited.
+    #[inline(always)]
+    pub(crate) fn take_in_order(&mut self, others: &Self, block: &Block, backward: bool) -> usize {
+        let (depth, streams) = (block.depth.min(WIDTH), block.streams.min(WIDTH));
+        let count = depth * streams;
+        if self.first.len() < (WIDTH + 1) * WIDTH {
+            self.first.resize((WIDTH + 1) * WIDTH, 0);
+            self.second.resize((WIDTH + 1) * WIDTH, 0);
+        }
+        let kinds = !others.kind.is_empty();
+        self.kind.resize(if kinds { self.first.len() } else { 0 }, 0);
+        for s in 0..streams {
+            let from = block.stream(s);
+            let [first, second] = others.places(from);
+            let kind = others.kinds(from);
+            for k in 0..depth {
+                let visit = k * streams + s;
+                let n = if backward { count - 1 - visit } else { visit };
+                (self.first[n], self.second[n]) = (first[k], second[k]);
+                if let Some(kind) = kind {
+                    self.kind[n] = kind[k];
+                }
+            }
+        }
+        self.count = count;
+        self.places_below = others.places_below;
+        count
+    }
+
+    /// So many contacts row by row, as one block.
+    #[inline(always)]
+    pub(crate) fn rows(count: usize) -> Block {
+        Block { first: 0, stride: WIDTH, streams: count.div_ceil(WIDTH), depth: WIDTH.min(count) }
+    }
+
     /// How many there are.
     pub fn count(&self) -> usize {
         self.count
@@ -156,6 +193,12 @@ impl Contacts {
     #[inline(always)]
     pub(crate) fn places(&self, from: usize) -> [&[u32; WIDTH]; 2] {
         [group(&self.first, from), group(&self.second, from)]
+    }
+
+    /// The kinds of eight contacts from one on, where there is more than one.
+    #[inline(always)]
+    pub(crate) fn kinds(&self, from: usize) -> Option<&[Kind; WIDTH]> {
+        if self.kind.is_empty() { None } else { Some(group(&self.kind, from)) }
     }
 
     /// The values of a table's laws at the distances of a block's contacts, each by its kind; zero where there is no law.

@@ -1,29 +1,19 @@
 //! Conservative, dissipative and random forces in one pass, for integrators that treat them alike.
 
 use super::contacts::Contacts;
+use super::dissipation::{Dissipation, PairNoise};
 use super::scatter::{BlockRows, Scatter};
 use super::separations::Separations;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
-use crate::friction::fluctuation_dissipation::random_force_variance;
+use crate::friction::Dependence;
 use crate::interactions::Interactions;
-use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_product, scaled};
+use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, scaled};
 use crate::neighbors::{KindOfPair, NeighborList};
-use crate::noise::Draw;
 use crate::state::Particles;
 
-/// The noise of one force evaluation.
-#[derive(Debug, Clone, Copy)]
-pub struct PairNoise {
-    /// kT.
-    pub temperature: f64,
-    /// Δt, over which the random force is constant.
-    pub time_step: f64,
-    /// The random numbers.
-    pub draw: Draw,
-}
-
-/// F_i = Σ_j [f(r) − Γ(r) e·(v_i − v_j) + √(2ΓkT/Δt) ξ_ij] e_ij with the given velocities (Groot & Warren 1997, eqs 3–8).
+/// F_i = Σ_j [f(r) − Γu + √(2ΓkT/Δt) ξ_ij + Λξ_ij²] e_ij with the given velocities (Groot & Warren 1997, eqs 3–8; Naseri et al.,
+/// eqs 5–13).
 ///
 /// Finds the contacts at the present positions brick by brick; `kind` as for `NeighborList::build`.
 #[allow(clippy::too_many_arguments, reason = "a force needs them all")]
@@ -62,28 +52,32 @@ impl Kernel for BrickForces<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        if self.interactions.friction_dependence() == Dependence::Distance {
+            self.forces::<L, false>();
+        } else {
+            self.forces::<L, true>();
+        }
+    }
+}
+
+impl BrickForces<'_> {
+    /// The forces of frictions that depend on velocities, or don't.
+    #[inline(always)]
+    fn forces<L: Lanes, const FACTORED: bool>(self) {
         let Self { contacts, interactions, points, region, velocity, noise, target } = self;
-        assert!(contacts.places_below() <= velocity.len(), "contacts of other particles");
         target.check(contacts);
-        let (mut pairs, mut normals) = (Separations::default(), BlockNumbers::default());
-        let (mut conservative, mut strength) = (BlockNumbers::default(), BlockNumbers::default());
-        let mut rows = BlockRows::default();
+        let (mut pairs, mut dissipation) = (Separations::default(), Dissipation::default());
+        let (mut conservative, mut rows) = (BlockNumbers::default(), BlockRows::default());
         for block in contacts.blocks(false) {
             pairs.update::<L>(contacts, &block, points, region);
             contacts.by_kind::<L, _>(&block, &interactions.potentials, &pairs.distance, &mut conservative);
-            contacts.by_kind::<L, _>(&block, &interactions.frictions, &pairs.distance, &mut strength);
-            noise.draw.pair_normals::<L>(block.streams, &pairs.ids, &mut normals);
+            dissipation.update::<L, FACTORED>(contacts, &block, interactions, &pairs, velocity);
+            dissipation.draw::<L, FACTORED>(&block, interactions, &pairs, noise);
             for s in 0..block.streams {
-                let [first, second] = contacts.places(block.stream(s));
-                // SAFETY: all places of the contacts are below the number of velocities.
-                let (v_i, v_j) = unsafe { (L::load_rows(velocity, first), L::load_rows(velocity, second)) };
-                let e = pairs.direction(s);
-                let u = inner_product(e, [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]]);
-                let strength = L::load(&strength[s]);
-                let variance = random_force_variance(strength, noise.temperature, noise.time_step);
-                let random = variance.sqrt() * L::load(&normals[s]);
-                let force = (-strength).mul_add(u, L::load(&conservative[s]) + random);
-                L::rows(scaled(force, e), &mut rows[s]);
+                let (strength, random) = (L::load(&dissipation.strength[s]), L::load(&dissipation.random[s]));
+                let undamped = L::load(&conservative[s]) + random;
+                let force = (-strength).mul_add(dissipation.radial(s), undamped);
+                L::rows(scaled(force, pairs.direction(s)), &mut rows[s]);
             }
             target.add_opposite::<L>(&block, &pairs, &rows);
         }

@@ -1,6 +1,8 @@
 //! Sums over contacts that observables need; nothing here changes the state.
 
 use crate::domain::Workers;
+use crate::friction::Motion;
+use crate::friction::fluctuation_dissipation::correction;
 use crate::interactions::Interactions;
 use crate::lanes::Row;
 use crate::neighbors::NeighborList;
@@ -56,22 +58,26 @@ pub fn pair_sums(
     parts.into_iter().fold(PairSums::default(), PairSums::add)
 }
 
-/// G·(friction force) = −Σ_pairs Γ(r) (e·v_ij) e·(G_i − G_j) for a response G given in storage order.
+/// G·(friction force) = Σ_pairs (−Γu + Λ) e·(G_i − G_j) for a response G given in storage order, Λ = kT (1/m_i + 1/m_j) ∂Γ/∂u.
 pub fn dissipative_flux(
     list: &NeighborList,
     interactions: &Interactions,
     particles: &Particles,
     response: &[Row],
+    temperature: f64,
     workers: Workers,
 ) -> f64 {
     let parts = list.sweep(false, workers, |contacts| {
         let mut sum = 0.0;
         for k in 0..contacts.count() {
-            if let Some(law) = interactions.frictions.entries()[contacts.kind(k)] {
+            if let Some(law) = &interactions.frictions.entries()[contacts.kind(k)] {
                 let (r, e) = contacts.separation(k, &particles.position, list.region());
                 let [i, j] = contacts.pair(k);
-                let u = dot(e, subtract(particles.velocity(i), particles.velocity(j)));
-                sum -= law.strength(r) * u * dot(e, subtract(response[i].vector(), response[j].vector()));
+                let motion = Motion::new(r, e, subtract(particles.velocity(i), particles.velocity(j)));
+                let inverse_reduced_mass = particles.inverse_mass[i] + particles.inverse_mass[j];
+                let noise = correction(law.slope(motion), inverse_reduced_mass, temperature);
+                let force = noise - law.strength(motion) * motion.radial;
+                sum += force * dot(e, subtract(response[i].vector(), response[j].vector()));
             }
         }
         sum

@@ -2,12 +2,15 @@
 
 mod conservative;
 mod contacts;
+mod dissipation;
+mod factors;
 mod fused;
 mod measure;
 mod scatter;
 mod separations;
 mod stress;
 mod thermostat;
+mod velocity_dependent_thermostat;
 
 /// The name of the kernels' arithmetic. All sets of vector instructions give the same bits, so that there is one name for all.
 pub const KERNEL: &str = "eight streams, 2";
@@ -15,7 +18,9 @@ pub const KERNEL: &str = "eight streams, 2";
 pub use conservative::conservative_forces;
 pub use contacts::Contacts;
 pub(crate) use contacts::PairLaw;
-pub use fused::{PairNoise, velocity_dependent_forces};
+pub use dissipation::PairNoise;
+pub use fused::velocity_dependent_forces;
 pub use measure::{PairSums, dissipative_flux, pair_sums};
 pub use stress::{PairStress, pair_stress};
 pub use thermostat::{Sweep, SweepSums, ornstein_uhlenbeck_sweep};
+pub use velocity_dependent_thermostat::velocity_dependent_sweep;

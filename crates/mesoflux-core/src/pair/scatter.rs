@@ -34,6 +34,16 @@ impl<'a> Scatter<'a> {
         unsafe { [self.start.add(first as usize), self.start.add(second as usize)] }
     }
 
+    /// The rows of eight particles, component by component.
+    ///
+    /// # Safety
+    /// All places lie inside the column, and no other thread writes to them.
+    #[inline(always)]
+    pub unsafe fn load<L: Lanes>(&self, places: &[u32; WIDTH]) -> [L; 4] {
+        // SAFETY: the caller's promise.
+        unsafe { L::load_rows(self.start, places) }
+    }
+
     /// Makes sure that the contacts are of the column's particles.
     #[inline(always)]
     pub fn check(&self, contacts: &Contacts) {

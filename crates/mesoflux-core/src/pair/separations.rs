@@ -29,7 +29,7 @@ impl Separations {
             let [first, second] = contacts.places(block.stream(s));
             (self.places[0][s], self.places[1][s]) = (*first, *second);
             // SAFETY: all places of the contacts are below the number of points.
-            let (a, b) = unsafe { (L::load_rows(points, first), L::load_rows(points, second)) };
+            let (a, b) = unsafe { (L::load_rows(points.as_ptr(), first), L::load_rows(points.as_ptr(), second)) };
             let mut d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
             for axis in 0..3 {
                 let copies = nearest_integer(d[axis] * L::splat(inverse[axis]));

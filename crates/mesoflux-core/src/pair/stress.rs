@@ -1,13 +1,13 @@
 //! The stress of pairs, its conservative, dissipative and random parts apart.
 
 use super::contacts::Contacts;
-use super::fused::PairNoise;
+use super::dissipation::{Dissipation, PairNoise};
 use super::separations::Separations;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
-use crate::friction::fluctuation_dissipation::random_force_variance;
+use crate::friction::Dependence;
 use crate::interactions::Interactions;
-use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, inner_product};
+use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row};
 use crate::neighbors::NeighborList;
 use crate::tensor::SymmetricTensor;
 use serde::{Deserialize, Serialize};
@@ -18,9 +18,9 @@ use std::ops::Add;
 pub struct PairStress {
     /// Σ r f(r) e_a e_b.
     pub conservative: SymmetricTensor,
-    /// Σ r (−Γ u) e_a e_b with u = e·v_ij.
+    /// Σ r (−Γ u + Λ) e_a e_b with u = e·v_ij: what friction and the mean of the noise give (Λ = kT (1/m_i + 1/m_j) ∂Γ/∂u).
     pub dissipative: SymmetricTensor,
-    /// Σ r √(2ΓkT/Δt) ξ e_a e_b, where there is noise.
+    /// Σ r (F^R − Λ) e_a e_b with the random force F^R, where there is noise.
     pub random: SymmetricTensor,
     /// Σ Γ r² e_a² e_b².
     pub friction: SymmetricTensor,
@@ -47,13 +47,14 @@ pub fn pair_stress(
     list: &NeighborList,
     interactions: &Interactions,
     velocity: Option<&[Row]>,
+    temperature: f64,
     noise: Option<&PairNoise>,
     workers: Workers,
 ) -> PairStress {
     let (region, points) = (list.region(), list.points());
     let instructions = InstructionSet::detect();
     let parts = list.sweep(false, workers, |contacts| {
-        instructions.run(BrickStress { contacts, interactions, points, region, velocity, noise })
+        instructions.run(BrickStress { contacts, interactions, points, region, velocity, temperature, noise })
     });
     parts.into_iter().fold(PairStress::default(), PairStress::add)
 }
@@ -65,6 +66,7 @@ struct BrickStress<'a> {
     points: &'a [Row],
     region: &'a PeriodicBox,
     velocity: Option<&'a [Row]>,
+    temperature: f64,
     noise: Option<&'a PairNoise>,
 }
 
@@ -107,32 +109,36 @@ impl Kernel for BrickStress<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> PairStress {
+        let linear = self.interactions.friction_dependence() == Dependence::Distance;
         match (self.velocity, self.noise) {
-            (None, _) => self.sums::<L, false, false>(&[]),
-            (Some(velocity), None) => self.sums::<L, true, false>(velocity),
-            (Some(velocity), Some(_)) => self.sums::<L, true, true>(velocity),
+            (None, _) => self.sums::<L, false, false, false>(&[]),
+            (Some(velocity), None) if linear => self.sums::<L, true, false, false>(velocity),
+            (Some(velocity), Some(_)) if linear => self.sums::<L, true, true, false>(velocity),
+            (Some(velocity), None) => self.sums::<L, true, false, true>(velocity),
+            (Some(velocity), Some(_)) => self.sums::<L, true, true, true>(velocity),
         }
     }
 }
 
 impl BrickStress<'_> {
-    /// The sums, with or without the parts that need velocities or noise.
+    /// The sums, with or without the parts that need velocities or noise, of frictions that depend on velocities or don't.
     #[inline(always)]
-    fn sums<L: Lanes, const MOVING: bool, const RANDOM: bool>(&self, velocity: &[Row]) -> PairStress {
-        let Self { contacts, interactions, points, region, noise, .. } = self;
-        assert!(!MOVING || contacts.places_below() <= velocity.len(), "contacts of other particles");
-        let (mut pairs, mut normals) = (Separations::default(), BlockNumbers::default());
-        let (mut force, mut strength) = (BlockNumbers::default(), BlockNumbers::default());
-        let mut conservative = TensorLanes::<L>::zero();
+    fn sums<L: Lanes, const MOVING: bool, const RANDOM: bool, const FACTORED: bool>(
+        &self,
+        velocity: &[Row],
+    ) -> PairStress {
+        let Self { contacts, interactions, points, region, temperature, noise, .. } = self;
+        let (mut pairs, mut dissipation) = (Separations::default(), Dissipation::default());
+        let (mut force, mut conservative) = (BlockNumbers::default(), TensorLanes::<L>::zero());
         let (mut dissipative, mut random, mut friction) = (conservative, conservative, conservative);
         for block in contacts.blocks(false) {
             pairs.update::<L>(contacts, &block, points, region);
             contacts.by_kind::<L, _>(&block, &interactions.potentials, &pairs.distance, &mut force);
             if MOVING {
-                contacts.by_kind::<L, _>(&block, &interactions.frictions, &pairs.distance, &mut strength);
+                dissipation.update::<L, FACTORED>(contacts, &block, interactions, &pairs, velocity);
             }
             if let (true, Some(noise)) = (RANDOM, noise) {
-                noise.draw.pair_normals::<L>(block.streams, &pairs.ids, &mut normals);
+                dissipation.draw::<L, FACTORED>(&block, interactions, &pairs, noise);
             }
             for s in 0..block.streams {
                 // What stands behind the last contact of a stream belongs to another.
@@ -141,19 +147,21 @@ impl BrickStress<'_> {
                 let direction = TensorLanes::square(e);
                 conservative.add_scaled(r * L::load(&force[s]), &direction);
                 if MOVING {
-                    strength[s][block.depth..].fill(0.0);
-                    let [first, second] = contacts.places(block.stream(s));
-                    // SAFETY: all places of the contacts are below the number of velocities.
-                    let (v_i, v_j) = unsafe { (L::load_rows(velocity, first), L::load_rows(velocity, second)) };
-                    let u = inner_product(e, [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]]);
-                    let strength = L::load(&strength[s]);
-                    let arm = r * strength;
-                    dissipative.add_scaled(-(arm * u), &direction);
+                    dissipation.forget_beyond(s, block.depth);
+                    let arm = r * L::load(&dissipation.strength[s]);
+                    let mut expected = -(arm * dissipation.radial(s));
+                    if FACTORED {
+                        let correction = dissipation.correction::<L>(interactions, *temperature, s);
+                        expected = r.mul_add(correction, expected);
+                        if RANDOM {
+                            random.add_scaled(-(r * correction), &direction);
+                        }
+                    }
+                    dissipative.add_scaled(expected, &direction);
                     let [xx, yy, zz, ..] = direction.0;
                     friction.add_scaled(arm * r, &TensorLanes::square([xx, yy, zz]));
-                    if let (true, Some(noise)) = (RANDOM, noise) {
-                        let variance = random_force_variance(strength, noise.temperature, noise.time_step);
-                        random.add_scaled(r * variance.sqrt() * L::load(&normals[s]), &direction);
+                    if RANDOM {
+                        random.add_scaled(r * L::load(&dissipation.random[s]), &direction);
                     }
                 }
             }

@@ -24,6 +24,8 @@ pub struct Sweep<'a> {
     pub time: f64,
     /// The noise of this sweep.
     pub noise: Draw,
+    /// The random numbers of its Metropolis tests, where friction depends on the radial velocity.
+    pub acceptance: Draw,
     /// From the last pair to the first.
     pub backward: bool,
     /// G of every particle, in storage order, where the flux G·p is to be followed.
@@ -240,7 +242,8 @@ impl BrickSweep<'_> {
             if let Some(response) = sweep.response {
                 assert!(contacts.places_below() <= response.len(), "contacts of other particles");
                 // SAFETY: all places of the contacts are below the number of responses.
-                let (g_i, g_j) = unsafe { (L::load_rows(response, first), L::load_rows(response, second)) };
+                let (g_i, g_j) =
+                    unsafe { (L::load_rows(response.as_ptr(), first), L::load_rows(response.as_ptr(), second)) };
                 let g = inner_product(e, [g_i[0] - g_j[0], g_i[1] - g_j[1], g_i[2] - g_j[2]]);
                 (reduced_mass * update.decay * g).store(&mut flux[s]);
             }

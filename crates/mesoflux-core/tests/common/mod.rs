@@ -10,6 +10,7 @@ use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::Driving;
 use mesoflux_core::forcing::{Axis, ExpressionSource, ForcingChoice, ForcingKind, Wave};
+use mesoflux_core::friction::fluctuation_dissipation::Correction;
 use mesoflux_core::friction::{Friction, linear::Linear};
 use mesoflux_core::integrate::{Integrator, Langevin, Schedule, SweepOrder, Thermostat, VelocityVerlet};
 use mesoflux_core::interactions::{Interactions, PairTable};
@@ -96,7 +97,7 @@ impl Fluid {
         let mut particles = Particles::at_rest(sites, deal_species(&counts, noise), &masses);
         draw_momenta(&mut particles, temperature, noise);
         let friction = Friction::Linear(self.friction);
-        let interactions = interactions(&masses, |_, _| self.potential.clone(), |_, _| Some(friction));
+        let interactions = interactions(&masses, |_, _| self.potential.clone(), |_, _| Some(friction.clone()));
         System::new(particles, region, interactions, self.skin, Workers::One).unwrap()
     }
 
@@ -138,7 +139,7 @@ pub fn splitting(word: &str) -> Integrator {
 
 /// Groot and Warren's scheme at kT = 1 with λ = ½.
 pub fn velocity_verlet() -> Integrator {
-    Integrator::VelocityVerlet(VelocityVerlet::new(1.0, 0.5))
+    Integrator::VelocityVerlet(VelocityVerlet::new(1.0, 0.5, Correction::default()))
 }
 
 /// Takes steps until a time has passed.

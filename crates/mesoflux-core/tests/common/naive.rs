@@ -4,6 +4,8 @@ use super::{by_id, unwrapped};
 use mesoflux_core::bond::{Bond, Topology};
 use mesoflux_core::domain::Workers;
 use mesoflux_core::forcing::ForcingField;
+use mesoflux_core::friction::Motion;
+use mesoflux_core::friction::fluctuation_dissipation::Correction;
 use mesoflux_core::integrate::Schedule;
 use mesoflux_core::interactions::Interactions;
 use mesoflux_core::noise::{Draw, NoiseKey, Purpose};
@@ -43,6 +45,8 @@ pub struct Naive {
     /// How many bonds lie between every two particles.
     pub apart: Vec<Vec<u32>>,
     pub temperature: f64,
+    /// kT of the noise in observables, none without an integrator.
+    pub bath: f64,
     pub species: Vec<u8>,
     pub mass: Vec<f64>,
     pub q: Vec<Vector>,
@@ -80,6 +84,7 @@ impl Naive {
             topology: system.topology().clone(),
             apart: bonds_apart(system.topology(), particles.count()),
             temperature: 1.0,
+            bath: system.bath_temperature(),
             species: by_id(particles, &particles.species),
             mass: by_id(particles, &particles.inverse_mass).iter().map(|w| 1.0 / w).collect(),
             q: unwrapped(system),
@@ -97,12 +102,18 @@ impl Naive {
         (r, d.map(|d| d / r))
     }
 
-    fn strength(&self, i: usize, j: usize, r: f64) -> f64 {
+    /// Γ and ∂Γ/∂u of two particles whose velocities differ by v.
+    fn friction(&self, i: usize, j: usize, r: f64, e: Vector, v: Vector) -> [f64; 2] {
         if self.apart[i][j] <= u32::from(self.topology.range().friction) {
-            return 0.0;
+            return [0.0; 2];
         }
+        let motion = Motion { distance: r, radial: dot(e, v), transverse_squared: dot(v, v) - dot(e, v).powi(2) };
         let law = self.interactions.frictions.get(self.species[i], self.species[j]);
-        law.map_or(0.0, |law| law.strength(r))
+        law.as_ref().map_or([0.0; 2], |law| [law.strength(motion), law.slope(motion)])
+    }
+
+    fn inverse_reduced_mass(&self, i: usize, j: usize) -> f64 {
+        1.0 / self.mass[i] + 1.0 / self.mass[j]
     }
 
     /// The conservative force between two particles, positive where it repels.
@@ -122,10 +133,12 @@ impl Naive {
             add_square(&mut flux.kinetic, 1.0 / self.mass[i], self.p[i]);
             for j in 0..i {
                 let (r, e) = self.separation(i, j);
-                let (force, strength) = (self.conservative_force(i, j, r), self.strength(i, j, r));
+                let v = subtract(velocity[i], velocity[j]);
+                let (force, [strength, slope]) = (self.conservative_force(i, j, r), self.friction(i, j, r, e, v));
                 if force != 0.0 || strength != 0.0 {
+                    let correction = self.bath * self.inverse_reduced_mass(i, j) * slope;
                     add_square(&mut flux.conservative, r * force, e);
-                    add_square(&mut flux.dissipative, -r * strength * dot(e, subtract(velocity[i], velocity[j])), e);
+                    add_square(&mut flux.dissipative, r * (correction - strength * dot(e, v)), e);
                     add_square(&mut flux.friction, strength * r * r, e.map(|e| e * e));
                 }
             }
@@ -188,16 +201,37 @@ impl Naive {
     }
 
     /// Eqs 27–29 for the pairs in the given order; returns Δp^D of eqs 60–61.
-    pub fn thermostat(&mut self, t: f64, order: &[(usize, usize)], draw: Draw) -> Vec<Vector> {
+    pub fn thermostat(&mut self, t: f64, order: &[(usize, usize)], draw: Draw, acceptance: Draw) -> Vec<Vector> {
         let mut dissipative = vec![ZERO; self.p.len()];
         for &(i, j) in order {
             let (r, e) = self.separation(i, j);
             let reduced = self.mass[i] * self.mass[j] / (self.mass[i] + self.mass[j]);
-            let tau = self.strength(i, j, r) / reduced;
-            let u = dot(e, self.p[i]) / self.mass[i] - dot(e, self.p[j]) / self.mass[j];
-            let dv = u * (-tau * t).exp_m1();
-            let noise = (self.temperature / reduced * -(-2.0 * tau * t).exp_m1()).sqrt();
-            let dv_random = noise * draw.pair_gaussian(i as u64, j as u64);
+            let v: Vector = std::array::from_fn(|k| self.p[i][k] / self.mass[i] - self.p[j][k] / self.mass[j]);
+            let (u, variance) = (dot(e, v), self.temperature / reduced);
+            // c − 1, S and D of the step with the friction at a radial velocity; w is what no impulse along e changes.
+            let step = |radial: f64| {
+                let moving = std::array::from_fn(|k| v[k] + (radial - u) * e[k]);
+                let [strength, slope] = self.friction(i, j, r, e, moving);
+                let x = strength / reduced * t;
+                let c = (-x).exp();
+                ((-x).exp_m1(), (variance * -(-2.0 * x).exp_m1()).sqrt(), variance / reduced * t * c * c * slope)
+            };
+            let (xi, (lost, s, d)) = (draw.pair_gaussian(i as u64, j as u64), step(u));
+            let mut change = lost * u + s * xi + 0.5 * d * (1.0 + xi * xi);
+            let after = u + change;
+            let (lost_back, s_back, d_back) = step(u + change);
+            if d != 0.0 || d_back != 0.0 {
+                let q = change + lost_back * after + 0.5 * d_back;
+                let root = (s_back * s_back - 2.0 * d_back * q).sqrt();
+                let xi_back = -2.0 * q / (s_back + root);
+                let weight = |u: f64, xi: f64| (-0.5 * (u * u / variance + xi * xi)).exp();
+                let ratio = (s + d * xi) / root * weight(after, xi_back) / weight(u, xi);
+                if !(s + d * xi > 0.0 && acceptance.pair_uniform(i as u64, j as u64) < ratio) {
+                    change = 0.0;
+                }
+            }
+            let dv = lost * u + d;
+            let dv_random = change - dv;
             add_square(&mut self.flux.dissipative, r * reduced * dv, e);
             add_square(&mut self.flux.random, r * reduced * dv_random, e);
             for (k, sign) in [(i, 1.0), (j, -1.0)] {
@@ -209,24 +243,54 @@ impl Naive {
     }
 
     /// Groot and Warren's total force at the given velocities, with the noise of `step`; books its stress over `times` Δt.
-    fn total_force(&mut self, velocity: &[Vector], dt: f64, noise: NoiseKey, step: u64, times: f64) -> Vec<Vector> {
+    fn total_force(
+        &mut self,
+        velocity: &[Vector],
+        dt: f64,
+        (noise, correction): (NoiseKey, Correction),
+        step: u64,
+        times: f64,
+    ) -> Vec<Vector> {
         let draw = noise.draw(Purpose::Pair, step, 0);
         let mut force = self.booked_forces(times * dt);
         for (i, j) in self.pairs() {
             let (r, e) = self.separation(i, j);
-            let strength = self.strength(i, j, r);
-            let u = dot(e, subtract(velocity[i], velocity[j]));
-            let random = (2.0 * strength * self.temperature / dt).sqrt() * draw.pair_gaussian(i as u64, j as u64);
-            add_square(&mut self.flux.dissipative, -times * dt * r * strength * u, e);
-            add_square(&mut self.flux.random, times * dt * r * random, e);
+            let v = subtract(velocity[i], velocity[j]);
+            let ([strength, slope], u) = (self.friction(i, j, r, e, v), dot(e, v));
+            let (xi, w) = (draw.pair_gaussian(i as u64, j as u64), self.inverse_reduced_mass(i, j));
+            let amplitude = |strength: f64| (2.0 * strength * self.temperature / dt).sqrt();
+            let lambda = self.temperature * w * slope;
+            let random = match correction {
+                Correction::Derivative => amplitude(strength) * xi + lambda * xi * xi,
+                Correction::TwoStep => {
+                    let moved = std::array::from_fn(|k| v[k] + w * dt * amplitude(strength) * xi * e[k]);
+                    amplitude(self.friction(i, j, r, e, moved)[0]) * xi
+                }
+            };
+            add_square(&mut self.flux.dissipative, times * dt * r * (lambda - strength * u), e);
+            add_square(&mut self.flux.random, times * dt * r * (random - lambda), e);
             add_scaled(&mut force[i], random - strength * u, e);
             add_scaled(&mut force[j], strength * u - random, e);
         }
         force
     }
 
+    /// Steps of Naseri et al.'s eqs 4–5.
+    pub fn explicit(&mut self, steps: u64, dt: f64, noise: (NoiseKey, Correction)) {
+        for _ in 0..steps {
+            let velocity: Vec<Vector> = self.p.iter().zip(&self.mass).map(|(p, m)| p.map(|p| p / m)).collect();
+            let force = self.total_force(&velocity, dt, noise, self.step, 1.0);
+            for i in 0..self.q.len() {
+                add_square(&mut self.flux.kinetic, dt / self.mass[i], self.p[i]);
+                add_scaled(&mut self.q[i], dt, velocity[i]);
+                add_scaled(&mut self.p[i], dt, force[i]);
+            }
+            self.step += 1;
+        }
+    }
+
     /// Steps of Groot and Warren's eq. 17.
-    pub fn velocity_verlet(&mut self, steps: u64, dt: f64, lambda: f64, noise: NoiseKey) {
+    pub fn velocity_verlet(&mut self, steps: u64, dt: f64, lambda: f64, noise: (NoiseKey, Correction)) {
         let over_mass =
             |p: &[Vector], mass: &[f64]| -> Vec<Vector> { p.iter().zip(mass).map(|(p, m)| p.map(|p| p / m)).collect() };
         let mut force = self.total_force(&over_mass(&self.p, &self.mass), dt, noise, self.step, 0.5);
@@ -295,8 +359,9 @@ impl Naive {
                 'A' => self.drift(t),
                 'B' => self.kick(t),
                 _ => {
-                    let draw = noise.draw(Purpose::Pair, self.step, place as u64);
-                    dissipative = self.thermostat(t, &order(place, self), draw);
+                    let draw = |purpose| noise.draw(purpose, self.step, place as u64);
+                    let (noise, acceptance) = (draw(Purpose::Pair), draw(Purpose::Acceptance));
+                    dissipative = self.thermostat(t, &order(place, self), noise, acceptance);
                 }
             }
             after(self, letter.symbol(), t, &dissipative);

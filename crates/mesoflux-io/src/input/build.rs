@@ -2,7 +2,7 @@
 
 use super::{Input, SpeciesInput};
 use mesoflux_core::boundary::PeriodicBox;
-use mesoflux_core::integrate::{Integrator, Schedule, Thermostat, VelocityVerlet, WordError};
+use mesoflux_core::integrate::{Explicit, Integrator, Schedule, Thermostat, VelocityVerlet, WordError};
 use mesoflux_core::interactions::{Interactions, PairTable};
 use mesoflux_core::vector::Vector;
 use std::collections::BTreeMap;
@@ -59,7 +59,7 @@ impl Input {
         match self.dynamics.thermostat {
             Thermostat::Langevin(_) => true,
             Thermostat::PairOrnsteinUhlenbeck => self.has_friction(),
-            Thermostat::None => self.dynamics.velocity_verlet.is_some() && self.has_friction(),
+            Thermostat::None => !self.dynamics.has_word() && self.has_friction(),
         }
     }
 
@@ -102,7 +102,7 @@ impl Input {
                 find(a, b).and_then(|pair| pair.potential.clone()).or_else(|| all?.potential.clone()).flatten()
             }),
             frictions: PairTable::from_fn(species.len(), |a, b| {
-                find(a, b).and_then(|pair| pair.friction).or_else(|| all?.friction).flatten()
+                find(a, b).and_then(|pair| pair.friction.clone()).or_else(|| all?.friction.clone()).flatten()
             }),
             inverse_reduced_masses: PairTable::from_fn(species.len(), |a, b| {
                 1.0 / species[a].1.mass + 1.0 / species[b].1.mass
@@ -147,9 +147,13 @@ impl Input {
     /// A word that is none.
     pub fn integrator(&self) -> Result<Integrator, WordError> {
         let dynamics = &self.dynamics;
-        Ok(match &dynamics.velocity_verlet {
-            Some(scheme) => Integrator::VelocityVerlet(VelocityVerlet::new(dynamics.temperature, scheme.lambda)),
-            None => Integrator::Splitting(Schedule::new(
+        let temperature = dynamics.temperature;
+        Ok(match (&dynamics.velocity_verlet, &dynamics.explicit) {
+            (Some(scheme), _) => {
+                Integrator::VelocityVerlet(VelocityVerlet::new(temperature, scheme.lambda, scheme.correction))
+            }
+            (None, Some(scheme)) => Integrator::Explicit(Explicit::new(temperature, scheme.correction)),
+            (None, None) => Integrator::Splitting(Schedule::new(
                 dynamics.word(),
                 dynamics.thermostat,
                 dynamics.temperature,
@@ -168,7 +172,7 @@ impl Input {
     pub fn with_defaults(&self) -> Self {
         let mut input = self.clone();
         input.species = self.species().into_iter().collect();
-        if input.dynamics.velocity_verlet.is_none() {
+        if input.dynamics.has_word() {
             input.dynamics.word = Some(self.dynamics.word().to_owned());
         }
         for measure in input.measure.values_mut() {

@@ -27,6 +27,7 @@ pub use validate::Invalid;
 use mesoflux_core::driving::Projection;
 use mesoflux_core::forcing::{Axis, ForcingKind};
 use mesoflux_core::friction::Friction;
+use mesoflux_core::friction::fluctuation_dissipation::Correction;
 use mesoflux_core::integrate::{SweepOrder, Thermostat};
 use mesoflux_core::potential::Potential;
 use serde::{Deserialize, Serialize};
@@ -152,6 +153,9 @@ pub struct DynamicsInput {
     /// Groot and Warren's velocity Verlet in place of a word.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_verlet: Option<VelocityVerletInput>,
+    /// The explicit scheme of Naseri et al. in place of a word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explicit: Option<ExplicitInput>,
 }
 
 impl DynamicsInput {
@@ -159,7 +163,12 @@ impl DynamicsInput {
         Thermostat::PairOrnsteinUhlenbeck
     }
 
-    /// The splitting word in force where no velocity Verlet is chosen.
+    /// Whether time goes on by the letters of a word.
+    pub fn has_word(&self) -> bool {
+        self.velocity_verlet.is_none() && self.explicit.is_none()
+    }
+
+    /// The splitting word in force where no other scheme is chosen.
     pub fn word(&self) -> &str {
         self.word.as_deref().unwrap_or("ABOBA")
     }
@@ -172,6 +181,18 @@ pub struct VelocityVerletInput {
     /// λ: how far velocities are predicted.
     #[serde(default = "VelocityVerletInput::default_lambda")]
     pub lambda: f64,
+    /// How the noise's own effect on a friction that depends on the radial velocity is taken into account.
+    #[serde(default)]
+    pub correction: Correction,
+}
+
+/// `dynamics.explicit`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExplicitInput {
+    /// How the noise's own effect on a friction that depends on the radial velocity is taken into account.
+    #[serde(default)]
+    pub correction: Correction,
 }
 
 impl VelocityVerletInput {

@@ -104,40 +104,44 @@ impl Input {
         if let Thermostat::Langevin(Langevin { friction }) = dynamics.thermostat {
             number("dynamics.thermostat.langevin.friction", friction, Requirement::Positive)?;
         }
-        match (&dynamics.velocity_verlet, &dynamics.word) {
-            (Some(_), Some(word)) => {
-                let requirement = "must be left out where velocity_verlet is given";
-                return Err(Invalid::new("dynamics.word", format!("{word:?}"), requirement));
-            }
-            (Some(_), None) if matches!(dynamics.thermostat, Thermostat::Langevin(_)) => {
-                let requirement =
-                    "must be left out where velocity_verlet is given: friction and noise of pairs are its thermostat";
-                return Err(Invalid::new("dynamics.thermostat.langevin", "", requirement));
-            }
-            (Some(scheme), None) => {
-                if !(0.0..=1.0).contains(&scheme.lambda) {
-                    return Err(Invalid::new(
-                        "dynamics.velocity_verlet.lambda",
-                        written(scheme.lambda),
-                        "must be from 0 to 1",
-                    ));
-                }
-            }
-            (None, _) => {
-                if dynamics.word.is_none() && dynamics.thermostat == Thermostat::None {
-                    return Err(Invalid::new(
-                        "dynamics.thermostat",
-                        "\"none\"",
-                        "needs a word without the letter O, e.g. word = \"BAB\" for constant energy",
-                    ));
-                }
-                self.validate_pair_thermostat()?;
-                self.integrator()
-                    .map_err(|error| Invalid::new("dynamics.word", format!("{:?}", dynamics.word()), error))?;
-                self.validate_unused_friction()?;
-            }
+        let other = dynamics.velocity_verlet.as_ref().map(|_| "velocity_verlet");
+        let other = other.or_else(|| dynamics.explicit.as_ref().map(|_| "explicit"));
+        if let Some(scheme) = other {
+            return self.validate_scheme_without_letters(scheme);
         }
-        Ok(())
+        if dynamics.word.is_none() && dynamics.thermostat == Thermostat::None {
+            return Err(Invalid::new(
+                "dynamics.thermostat",
+                "\"none\"",
+                "needs a word without the letter O, e.g. word = \"BAB\" for constant energy",
+            ));
+        }
+        self.validate_pair_thermostat()?;
+        self.integrator().map_err(|error| Invalid::new("dynamics.word", format!("{:?}", dynamics.word()), error))?;
+        self.validate_unused_friction()
+    }
+
+    /// Velocity Verlet or the explicit scheme, without anything that only letters have.
+    fn validate_scheme_without_letters(&self, scheme: &str) -> Result<(), Invalid> {
+        let dynamics = &self.dynamics;
+        if let Some(word) = &dynamics.word {
+            let requirement = format!("must be left out where {scheme} is given");
+            return Err(Invalid::new("dynamics.word", format!("{word:?}"), requirement));
+        }
+        if scheme != "explicit" && dynamics.explicit.is_some() {
+            return Err(Invalid::new("dynamics.explicit", "", format!("must be left out where {scheme} is given")));
+        }
+        if matches!(dynamics.thermostat, Thermostat::Langevin(_)) {
+            let requirement =
+                format!("must be left out where {scheme} is given: friction and noise of pairs are its thermostat");
+            return Err(Invalid::new("dynamics.thermostat.langevin", "", requirement));
+        }
+        match &dynamics.velocity_verlet {
+            Some(scheme) if !(0.0..=1.0).contains(&scheme.lambda) => {
+                Err(Invalid::new("dynamics.velocity_verlet.lambda", written(scheme.lambda), "must be from 0 to 1"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The pair thermostat needs a friction.
@@ -158,7 +162,7 @@ impl Input {
             }
             Thermostat::None => "must be left out with dynamics.thermostat = \"none\": no letter would use it",
         };
-        let given = self.pair.iter().find(|(_, pair)| pair.friction.flatten().is_some());
+        let given = self.pair.iter().find(|(_, pair)| pair.friction.as_ref().is_some_and(Option::is_some));
         given.map_or(Ok(()), |(name, _)| Err(Invalid::new(format!("pair.{name}.friction"), "", requirement)))
     }
 

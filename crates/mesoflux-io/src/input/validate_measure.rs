@@ -111,11 +111,11 @@ impl Input {
                 let requirement = format!("forcing is missing: {key} needs one, e.g. {example}");
                 return Err(Invalid::new(path, "", requirement));
             }
-            if self.dynamics.velocity_verlet.is_some() {
+            if !self.dynamics.has_word() {
                 return Err(Invalid::new(
                     format!("{path}.{key}"),
                     "",
-                    "needs a splitting word such as \"ABOBA\": velocity Verlet has no letters between which to act",
+                    "needs a splitting word such as \"ABOBA\": other schemes have no letters between which to act",
                 ));
             }
             if values.0.is_empty() {

@@ -122,16 +122,19 @@ impl Input {
                 }
             }
             let potential = pair.potential.as_ref().and_then(Option::as_ref);
-            let fault = potential.and_then(|law| Some((law_name(law), law.fault()?)));
+            let fault = potential.and_then(|law| Some(("potential", law_name(law), "energy", law.fault()?)));
+            let friction = pair.friction.as_ref().and_then(Option::as_ref);
+            let fault =
+                fault.or_else(|| friction.and_then(|law| Some(("friction", law_name(law), "friction", law.fault()?))));
             let potential = potential.map(|law| ("potential", law_name(law), law.parameters()));
-            let friction = pair.friction.flatten().map(|law| ("friction", law_name(&law), law.parameters()));
+            let friction = friction.map(|law| ("friction", law_name(law), law.parameters()));
             for (role, law, parameters) in potential.into_iter().chain(friction) {
                 for (parameter, value, requirement) in parameters {
                     number(&format!("{path}.{role}.{law}.{parameter}"), value, requirement)?;
                 }
             }
-            if let Some((law, fault)) = fault {
-                return Err(wrong_expression(&format!("{path}.potential.{law}"), "energy", fault));
+            if let Some((role, law, key, fault)) = fault {
+                return Err(wrong_expression(&format!("{path}.{role}.{law}"), key, fault));
             }
         }
         if self.interactions().cutoff() == 0.0 {

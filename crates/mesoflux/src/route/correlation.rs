@@ -164,7 +164,7 @@ pub(super) fn interval(input: &Input, given: Option<u64>) -> u64 {
         let integral: f64 = (0..POINTS)
             .map(|k| {
                 let r = (f64::from(k) + 0.5) * width;
-                law.strength(r) * r * r * width
+                law.at_rest(r) * r * r * width
             })
             .sum();
         2.0 * 4.0 * PI * density / (3.0 * mass) * integral
