@@ -121,7 +121,7 @@ struct Transitions {
 
 impl Transitions {
     fn of(pair: &Pair) -> Self {
-        let (normals, spacing) = (240, 12.0 / 240.0);
+        let (normals, spacing) = (960, 12.0 / 960.0);
         let mut rejected = 0.0;
         let unit = Grid::of(|_| 1.0);
         let all: f64 = (0..Grid::POINTS).map(|k| (-0.5 * Grid::place(k).powi(2)).exp() * unit.values[k]).sum();
@@ -186,7 +186,7 @@ fn the_letter_has_detailed_balance_at_any_time_step() {
 fn rejections_fall_fast() {
     for law in [dot_law(1.0), typed_law()] {
         let rejected =
-            [0.02, 0.08, 0.32].map(|time| Transitions::of(&Pair { law: &law, distance: 0.4, time }).rejected);
+            [0.0004, 0.0016, 0.0064].map(|time| Transitions::of(&Pair { law: &law, distance: 0.4, time }).rejected);
         println!("rejected: {rejected:?}");
         for pair in rejected.windows(2) {
             let order = (pair[1] / pair[0]).log2() / 2.0;
@@ -389,8 +389,9 @@ fn relative_velocities_of_near_pairs_are_normal() {
         let mut simulation = fluid(dot_law(3.0), &[1.0, 3.0], letter(), NoiseKey::new(&[seed, 9]), 0.01);
         advance(&mut simulation, 2.0);
         let mut places = Vec::new();
-        for _ in 0..40 {
-            advance(&mut simulation, 5.0 / RATE);
+        for _ in 0..20 {
+            // The heavier particles are three times as slow.
+            advance(&mut simulation, 15.0 / RATE);
             let system = &simulation.system;
             // One neighbor for each particle at most, so that the numbers are independent.
             let mut free = vec![true; system.particles.count()];
@@ -409,7 +410,7 @@ fn relative_velocities_of_near_pairs_are_normal() {
                 }
             }
         }
-        assert!(places.len() > 4000);
+        assert!(places.len() > 3000, "{}", places.len());
         places.sort_by(f64::total_cmp);
         vec![probit(kolmogorov_smirnov_p_value(&places, |place| place).unwrap())]
     });

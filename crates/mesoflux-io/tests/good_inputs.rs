@@ -88,6 +88,20 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
                 ..one
             },
         ),
+        (
+            "non_newtonian.toml",
+            Derived {
+                particles: 600,
+                counts: &[300, 200, 100],
+                masses: &[1.0, 2.0, 1.0],
+                sides: cube(37.5),
+                density: 16.0,
+                cutoff: 1.0,
+                skin: (0.14f64 * 9.0 * 0.001 * 0.1f64.sqrt()).sqrt(),
+                word: None,
+                ..one
+            },
+        ),
         ("constant_energy.toml", Derived { skin: (0.14f64 * 9.0 * 0.002 * 2.5).sqrt(), word: Some("BAB"), ..one }),
         ("langevin.toml", Derived { sides: cube(500.0 / 0.6), density: 0.6, word: Some("BAOAB"), ..one }),
         ("polymer.toml", Derived { counts: &[30, 70, 500], masses: &[1.0, 1.5, 1.0], ..soft(600, &[], cube(200.0)) }),

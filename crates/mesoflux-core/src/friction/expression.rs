@@ -47,7 +47,7 @@ const DISTANCES: u32 = 50;
 
 /// Speeds at which it is looked at: zero, and powers of two up and down from one.
 fn speeds() -> impl Iterator<Item = f64> {
-    std::iter::once(0.0).chain((-20..=10).map(|power| f64::powi(2.0, power)))
+    std::iter::once(0.0).chain((0..=10).chain(-20..0).map(|power| f64::powi(2.0, power)))
 }
 
 impl Law {
