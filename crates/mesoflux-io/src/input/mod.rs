@@ -6,6 +6,7 @@ mod diagnostic;
 mod document;
 mod field;
 mod molecules;
+mod momentum_exchange;
 mod route_parameters;
 mod routes;
 mod start;
@@ -16,10 +17,11 @@ mod validate_measure;
 mod validate_system;
 mod wording;
 
-pub use choice::Magnitudes;
+pub use choice::{Intervals, Magnitudes};
 pub use document::{InputError, InputFile, Setting};
 pub use field::FieldInput;
 pub use molecules::{BlockInput, BondInput, Chain, ExclusionsInput, MoleculeInput};
+pub use momentum_exchange::{ExchangeKind, ExchangeStrength, MomentumExchangeInput};
 pub use route_parameters::{
     CorrelationInput, CountingInput, DrivenRecordings, MeanSquaredDisplacementInput, NemdInput, NortonInput, Plain,
     ProfileInput, RoutesInput, TransverseCurrentInput,
@@ -255,10 +257,10 @@ pub struct MeasureInput {
     /// How the fluid is driven, for the routes that drive it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forcing: Option<ForcingKind>,
-    /// The axis along which a shear forcing pushes; x if left out.
+    /// The axis along which a shear forcing pushes, or momentum is exchanged; x if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow: Option<Axis>,
-    /// The axis along which a shear forcing changes; y if left out.
+    /// The axis along which a shear flow changes; y if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient: Option<Axis>,
     /// How many waves of a shear forcing fit into the box; 1 if left out.

@@ -1,6 +1,7 @@
 //! Parameters of the routes to a quantity, as the input file gives them: `routes.NAME = { … }`.
 
 use super::choice::Magnitudes;
+use super::momentum_exchange::MomentumExchangeInput;
 use super::structure::{DerivativeInput, DistributionInput, FluctuationInput};
 use mesoflux_core::driving::Projection;
 use serde::{Deserialize, Serialize};
@@ -54,6 +55,9 @@ pub struct RoutesInput {
     /// By a constant flux.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub norton: Option<NortonInput>,
+    /// By an exchange of momentum between two slabs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub momentum_exchange: Option<MomentumExchangeInput>,
     /// By counting pairs in bins of distance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histogram: Option<DistributionInput>,
