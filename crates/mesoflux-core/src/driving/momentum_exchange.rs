@@ -16,7 +16,10 @@ pub enum Exchange {
     /// They collide elastically along the flow, wherever they are: Δp = 2 (v₂ − v₁)/(1/m₁ + 1/m₂). Equal masses swap their
     /// velocities. Momentum and kinetic energy are conserved.
     Swap,
-    /// The first one is given Δp, the second one −Δp: momentum is conserved, energy is put in.
+    /// The first one is given Δp, the second one −Δp: momentum is conserved, energy is not.
+    ///
+    /// A large Δp puts energy in. A small one takes thermal energy out, in the slabs: it slows the fastest particles down. The thermostat
+    /// makes up for it.
     Forced {
         /// Δp > 0.
         momentum: f64,

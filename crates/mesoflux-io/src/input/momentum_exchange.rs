@@ -203,7 +203,7 @@ impl Input {
             }
         };
         if self.dynamics.thermostat == Thermostat::None {
-            let requirement = "puts energy in that no thermostat takes out with dynamics.thermostat = \"none\": must be kind = \"swap\"";
+            let requirement = "changes the energy, which nothing holds with dynamics.thermostat = \"none\": must be left out, with kind = \"swap\"";
             return Err(Invalid::new(format!("{path}.{key}"), "", requirement));
         }
         if strengths.is_empty() {
