@@ -57,7 +57,8 @@ fn the_reference_fluid_has_the_published_viscosity() {
     assert!((gradient * viscosity / 3.42 - 1.0).abs() < 1e-9);
     assert_eq!(condition(record, "stress"), 3.42);
     assert!((condition(record, "momentum") - 3.42 * 2.0 * 9.0 * 0.005).abs() < 1e-12);
-    let [temperature, error] = ["dynamic_temperature", "dynamic_temperature_standard_error"].map(|n| condition(record, n));
+    let [temperature, error] =
+        ["dynamic_temperature", "dynamic_temperature_standard_error"].map(|n| condition(record, n));
     assert!((temperature - 0.1033).abs() < 4.0 * error.hypot(1e-4) + 5e-4 && error < 1e-3, "{temperature} ± {error}");
     let [density, error] = ["density", "density_standard_error"].map(|name| condition(record, name));
     assert!((density - 16.0).abs() < 4.0 * error + 0.1, "{density} ± {error}");
@@ -66,14 +67,21 @@ fn the_reference_fluid_has_the_published_viscosity() {
     let [work, work_error] = ["work_rate", "work_rate_standard_error"].map(|name| condition(record, name));
     let [heat, heat_error] = ["heat_rate", "heat_rate_standard_error"].map(|name| condition(record, name));
     assert!(work > 0.0 && work_error < 0.01 * work, "{work} ± {work_error}");
-    assert!((work - heat).abs() < 3.0 * work_error.hypot(heat_error), "{work} ± {work_error} and {heat} ± {heat_error}");
+    assert!(
+        (work - heat).abs() < 3.0 * work_error.hypot(heat_error),
+        "{work} ± {work_error} and {heat} ± {heat_error}"
+    );
     assert!(!warnings(record).contains("steady"), "{record}");
 
     // The profile: odd about both centers, falling from the first slab to the second.
     let (header, rows) = table(&folder, "viscosity-momentum_exchange-profile.csv");
     assert_eq!((header[1].as_str(), rows.len()), ("x [l]", 40));
     for (bin, row) in rows.iter().enumerate() {
-        let (along, sign) = if (10..30).contains(&bin) { (row[1] - 4.0, 1.0) } else { (row[1] - 8.0 * f64::from(u8::from(bin >= 30)), -1.0) };
+        let (along, sign) = if (10..30).contains(&bin) {
+            (row[1] - 4.0, 1.0)
+        } else {
+            (row[1] - 8.0 * f64::from(u8::from(bin >= 30)), -1.0)
+        };
         if along.abs() < 1.0 {
             let z = (sign * row[4] + gradient * along) / row[5].hypot(0.01);
             assert!(z.abs() < 4.5, "bin {bin}: {} ± {} at {along}", row[4], row[5]);
@@ -156,6 +164,14 @@ fn half_the_time_step_leaves_the_stress() {
     let [value, half] = ["value", "value_at_half"].map(|name| bias[name].as_f64().unwrap());
     assert!((value / half - 1.0).abs() < 0.3, "{bias}");
     let check = folder.mesoflux("check fluid.toml --threads 1");
-    assert!(printed(&check).contains("#   momentum_exchange, interval = 1, momentum = 0.3, 2 replicas"), "{}", printed(&check));
-    assert!(printed(&check).contains("#   momentum_exchange, interval = 2, momentum = 0.3, 2 replicas"), "{}", printed(&check));
+    assert!(
+        printed(&check).contains("#   momentum_exchange, interval = 1, momentum = 0.3, 2 replicas"),
+        "{}",
+        printed(&check)
+    );
+    assert!(
+        printed(&check).contains("#   momentum_exchange, interval = 2, momentum = 0.3, 2 replicas"),
+        "{}",
+        printed(&check)
+    );
 }

@@ -2,8 +2,8 @@
 
 use super::record::{Aligned, ExchangeRecord};
 use super::recorder::{
-    ACROSS, AMPLITUDE, BIN, COUNT, ENERGY, EXCHANGED, FIRST, FOURTH_MOMENT, HEAT, MASS, MIDDLE, MOMENTUM, NUMBERS, Reader,
-    SECOND_MOMENT, SIXTH_MOMENT, THIRD, WORK,
+    ACROSS, AMPLITUDE, BIN, COUNT, ENERGY, EXCHANGED, FIRST, FOURTH_MOMENT, HEAT, MASS, MIDDLE, MOMENTUM, NUMBERS,
+    Reader, SECOND_MOMENT, SIXTH_MOMENT, THIRD, WORK,
 };
 use crate::route::{RouteError, cells};
 use mesoflux_analysis::{AnalysisError, Blocking, Estimate, SteadyState, steady_state};
@@ -67,7 +67,9 @@ impl Point {
         let (stress, viscosity);
         let gradient = series.ratio(FIRST, SECOND_MOMENT).scaled(-1.0 / reader.reach);
         match input.exchange(reader.slabs.gradient, strength, interval) {
-            Exchange::Forced { momentum } if is_complete(&booked, momentum / per_stress, interval, input, &aligned, start) => {
+            Exchange::Forced { momentum }
+                if is_complete(&booked, momentum / per_stress, interval, input, &aligned, start) =>
+            {
                 let imposed = momentum / per_stress;
                 stress = Estimate::new(imposed, 0.0, gradient.effective_samples);
                 viscosity = gradient.clone().inverse().scaled(imposed);

@@ -80,7 +80,8 @@ impl Reader {
             let (x, momentum, inverse_mass) =
                 (particles.position[k][gradient], particles.momentum[k], particles.inverse_mass[k]);
             let mass = 1.0 / inverse_mass;
-            let across = (0..3).filter(|&axis| axis != flow).map(|axis| momentum[axis].powi(2) * inverse_mass).sum::<f64>();
+            let across =
+                (0..3).filter(|&axis| axis != flow).map(|axis| momentum[axis].powi(2) * inverse_mass).sum::<f64>();
             total_mass += mass;
             wave += momentum[flow] * (TAU * x / self.side).sin();
             let share = x / self.side;
