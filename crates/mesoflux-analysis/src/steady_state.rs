@@ -162,8 +162,8 @@ mod tests {
     fn a_relaxation_is_cut_off() {
         // e^(−t/4) times ten: 1.3 noises are left after 8 blocks, a tenth after 18.
         for seed in 0..50 {
-            let relaxing =
-                series(seed, 60, 0.2).iter().enumerate().map(|(t, x)| 5.0 + x - 10.0 * (-0.25 * t as f64).exp());
+            let noise = series(seed, 60, 0.2);
+            let relaxing = noise.iter().enumerate().map(|(t, x)| 5.0 + x - 10.0 * (-0.25 * t as f64).exp());
             let found = steady_state(&relaxing.collect::<Vec<_>>()).unwrap();
             assert!((4..=30).contains(&found.start) && found.is_reached(), "{found:?}");
         }
