@@ -62,7 +62,9 @@ fn the_reference_fluid_has_the_published_viscosity() {
     assert!((condition(record, "momentum") - 3.42 * 2.0 * 9.0 * 0.01).abs() < 1e-12);
     let [temperature, error] =
         ["dynamic_temperature", "dynamic_temperature_standard_error"].map(|n| condition(record, n));
-    assert!((temperature - 0.1033).abs() < 4.0 * error.hypot(1e-4) + 5e-4 && error < 1e-3, "{temperature} ± {error}");
+    // Heated by the flow, though less than far from the slabs; along the flow it would be several times as large.
+    assert!(temperature > 0.1 + 3.0 * error && temperature < 0.1033 + 4.0 * error, "{temperature} ± {error}");
+    assert!(error < 1e-3);
     // Free of forces, the fluid loses no work but to the thermostat.
     assert!(condition(record, "energy_imbalance") < 1e-9, "{record}");
     let [work, work_error] = ["work_rate", "work_rate_standard_error"].map(|name| condition(record, name));
@@ -78,11 +80,12 @@ fn the_reference_fluid_has_the_published_viscosity() {
     let (header, rows) = table(&folder, "viscosity-momentum_exchange-profile.csv");
     assert_eq!((header[1].as_str(), rows.len()), ("x [l]", 40));
     for (bin, row) in rows.iter().enumerate() {
-        let (along, sign) = if (10..30).contains(&bin) {
-            (row[1] - 4.0, 1.0)
-        } else {
-            (row[1] - 8.0 * f64::from(u8::from(bin >= 30)), -1.0)
+        let (center, sign) = match bin {
+            0..10 => (0.0, -1.0),
+            10..30 => (3.0, 1.0),
+            _ => (6.0, -1.0),
         };
+        let along = row[1] - center;
         if along.abs() < 0.7 {
             let z = (sign * row[4] + gradient * along) / row[5].hypot(0.01);
             assert!(z.abs() < 4.5, "bin {bin}: {} ± {} at {along}", row[4], row[5]);

@@ -62,7 +62,7 @@ impl Point {
         let sides = input.sides();
         let volume: f64 = sides.iter().product();
         let per_stress = input.momentum_over_stress(reader.slabs.gradient, interval);
-        let rate_over_stress = 2.0 * volume / reader.side;
+        let rate_over_stress = per_stress / (interval as f64 * input.dynamics.time_step);
         let booked = series.component(EXCHANGED).scaled(1.0 / rate_over_stress);
         let (stress, viscosity);
         let gradient = series.ratio(FIRST, SECOND_MOMENT).scaled(-1.0 / reader.reach);
