@@ -141,24 +141,20 @@ impl Point {
 
 /// The first stretch that counts, with a warning where no steady state was reached.
 fn start(aligned: &Aligned, warnings: &mut Vec<String>) -> usize {
-    match steady_state(&aligned.course(AMPLITUDE)) {
-        Ok(state) => {
-            let SteadyState { start, drift } = &state;
-            if !state.is_reached() {
-                warnings.push(format!(
-                    "no steady state was reached: over what counts, the amplitude of the flow still changes by {:.3e} ± {:.1e}; run \
-                     longer, or give a better predicted_viscosity",
-                    drift.value.unwrap_or(f64::NAN),
-                    drift.standard_error.unwrap_or(f64::NAN),
-                ));
-            }
-            *start
-        }
-        Err(_) => {
-            warnings.push("too few samples to see whether the flow is steady: run longer".to_owned());
-            0
-        }
+    let Ok(state) = steady_state(&aligned.course(AMPLITUDE)) else {
+        warnings.push("too few samples to see whether the flow is steady: run longer".to_owned());
+        return 0;
+    };
+    let SteadyState { start, drift } = &state;
+    if !state.is_reached() {
+        warnings.push(format!(
+            "no steady state was reached: over what counts, the amplitude of the flow still changes by {:.3e} ± {:.1e}; run longer, or \
+             give a better predicted_viscosity",
+            drift.value.unwrap_or(f64::NAN),
+            drift.standard_error.unwrap_or(f64::NAN),
+        ));
     }
+    *start
 }
 
 /// Whether all forced exchanges have taken place: at both ends of each replica, one more or less may have been counted.
