@@ -5,7 +5,7 @@ mod common;
 
 use common::{Fluid, splitting, velocity_verlet};
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{Driving as _, Exchange, MomentumExchange, Slabs, mean_field_viscosity};
+use mesoflux_core::driving::{Driving, Exchange, MomentumExchange, Slabs, mean_field_viscosity};
 use mesoflux_core::forcing::Axis;
 use mesoflux_core::integrate::Integrator;
 use mesoflux_core::noise::NoiseKey;
@@ -20,11 +20,11 @@ fn mixture() -> Fluid {
     Fluid::groot_warren(192).with_species(&[(120, 1.0), (72, 2.5)])
 }
 
-fn forced(momentum: f64, interval: u64) -> Box<MomentumExchange> {
+fn forced(momentum: f64, interval: u64) -> Box<dyn Driving> {
     Box::new(MomentumExchange::new(SLABS, Exchange::Forced { momentum }, interval, 0.1))
 }
 
-fn swap(interval: u64) -> Box<MomentumExchange> {
+fn swap(interval: u64) -> Box<dyn Driving> {
     Box::new(MomentumExchange::new(SLABS, Exchange::Swap, interval, 0.0))
 }
 
@@ -47,7 +47,9 @@ fn naive_partner(system: &System, center: f64, sign: f64) -> u64 {
 /// Runs a bare exchange on a state of a fluid that has moved a little; tells whose momenta changed, by id with the change.
 fn exchanged(exchange: Exchange, prepare: impl Fn(&mut System)) -> (System, System, f64) {
     let mut simulation = mixture().simulation("ABOBA", None, NoiseKey::new(&[3]), 0.02);
-    (0..40).for_each(|_| drop(simulation.step().unwrap()));
+    for _ in 0..40 {
+        simulation.step().unwrap();
+    }
     let mut system = simulation.system;
     prepare(&mut system);
     let before = system.clone();
@@ -145,7 +147,7 @@ fn a_swap_conserves_energy_with_unequal_masses() {
 }
 
 /// 2·10⁴ steps; Σp must stay below 1e-10 per particle, and momentum be exchanged all the time.
-fn conserves_momentum(integrator: Integrator, driving: Box<MomentumExchange>) {
+fn conserves_momentum(integrator: Integrator, driving: Box<dyn Driving>) {
     let noise = NoiseKey::new(&[1]);
     let mut simulation =
         Simulation::new(mixture().system(1.0, noise), integrator, Some(driving), noise, 0.005).unwrap();
