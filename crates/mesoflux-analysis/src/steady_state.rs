@@ -140,8 +140,7 @@ mod tests {
             value = correlation * value + (1.0 - correlation * correlation).sqrt() * normal;
             value
         };
-        (0..30).for_each(|_| drop(next()));
-        (0..count).map(|_| next()).collect()
+        (0..30 + count).map(|_| next()).skip(30).collect()
     }
 
     #[test]
