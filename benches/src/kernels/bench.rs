@@ -1,6 +1,7 @@
 //! One call of each kernel on a fluid at equilibrium.
 
 use mesoflux_core::domain::Workers;
+use mesoflux_core::friction::fluctuation_dissipation::Correction;
 use mesoflux_core::lanes::Row;
 use mesoflux_core::neighbors::NeighborList;
 use mesoflux_core::noise::{NoiseKey, Purpose, pair_gaussians};
@@ -90,7 +91,7 @@ impl Bench {
             Kernel::Contacts => list.update_contacts(&system.particles, None, workers),
             Kernel::ConservativeForces => conservative_forces(list, interactions, force, workers),
             Kernel::FusedForces => {
-                let noise = PairNoise { temperature, time_step, draw };
+                let noise = PairNoise { temperature, time_step, draw, correction: Correction::default() };
                 velocity_dependent_forces(
                     list,
                     interactions,
@@ -104,8 +105,15 @@ impl Bench {
             }
             Kernel::Sweep => {
                 let backward = self.calls % 2 == 1;
-                let sweep =
-                    Sweep { temperature, time: time_step, noise: draw, backward, response: None, book_stress: false };
+                let sweep = Sweep {
+                    temperature,
+                    time: time_step,
+                    noise: draw,
+                    acceptance: draw,
+                    backward,
+                    response: None,
+                    book_stress: false,
+                };
                 ornstein_uhlenbeck_sweep(list, interactions, &system.particles, velocity, &sweep, workers);
             }
             Kernel::Noise => pair_gaussians(draw, pairs, gaussians),

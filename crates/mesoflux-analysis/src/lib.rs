@@ -9,6 +9,7 @@
 //! - [`MultipleTau`], [`full_correlation`]: auto- and cross-correlations, their Green–Kubo integrals, Helfand slopes, correlation times;
 //! - histograms ([`Histogram`]) of correlated series;
 //! - [`fit_response`], [`fit_inverse_response`]: a transport coefficient from several points of a response curve;
+//! - [`steady_state`]: where a relaxing series has become steady;
 //! - [`polynomial_functionals`]: extrapolations as functionals of a series;
 //! - [`chi_squared_p_value`] and others: tests of distributions.
 //!
@@ -47,6 +48,7 @@ mod plateau;
 mod polynomial;
 mod response_curve;
 mod segments;
+mod steady_state;
 
 pub use blocking::Blocking;
 pub use correlation::{
@@ -64,3 +66,4 @@ pub use histogram::{Histogram, HistogramBin};
 pub use mean_squared_displacement::MeanSquaredDisplacement;
 pub use polynomial::polynomial_functionals;
 pub use response_curve::{OrderChoice, ResponseCurve, ResponsePoint, fit_inverse_response, fit_response};
+pub use steady_state::{SteadyState, steady_state};

@@ -1,6 +1,6 @@
 //! The driver of one run: equilibration, production, recorders at their cadence, and a word from outside at every step.
 
-use crate::driving::DrivenStep;
+use crate::driving::{DrivenStep, Exchanged};
 use crate::observable::BookedStress;
 use crate::simulation::Simulation;
 use crate::system::SimulationError;
@@ -12,7 +12,7 @@ pub struct Moment<'a> {
     pub simulation: &'a mut Simulation,
     /// Steps of production done.
     pub step: u64,
-    /// Flux and forcing of the step just done, where a driving acts.
+    /// Flux and forcing of the step just done, where a driving has any.
     pub driven: Option<DrivenStep>,
 }
 
@@ -20,6 +20,11 @@ impl Moment<'_> {
     /// The momentum flux of the step just done, over Δt, where the simulation books it.
     pub fn stress(&self) -> Option<&BookedStress> {
         self.simulation.booked_stress()
+    }
+
+    /// What was exchanged in and after the step just done, where the driving exchanges momentum.
+    pub fn exchanged(&self) -> Option<Exchanged> {
+        self.simulation.exchanged()
     }
 }
 

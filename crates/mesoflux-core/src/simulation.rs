@@ -1,6 +1,6 @@
 //! One simulation: a system, an integrator, a driving and the noise of the run, moved on step by step.
 
-use crate::driving::{DrivenStep, Driving};
+use crate::driving::{DrivenStep, Driving, Exchanged};
 use crate::forcing::ForcingError;
 use crate::integrate::{Integrator, Stroke};
 use crate::noise::NoiseKey;
@@ -67,12 +67,13 @@ impl Simulation {
     ) -> Result<Self, SetupError> {
         let mut system = system.with_integrator(&integrator);
         if let Some(driving) = &mut driving {
-            let Integrator::Splitting(schedule) = &integrator else {
+            if let Integrator::Splitting(schedule) = &integrator {
+                let mute = schedule.entries().iter().find(|(letter, _)| !letter.tells_expected_flux());
+                if let (true, Some((letter, _))) = (driving.needs_expected_flux(), mute) {
+                    return Err(SetupError::LetterCannotTell(letter.symbol()));
+                }
+            } else if driving.needs_word() {
                 return Err(SetupError::DrivingNeedsWord);
-            };
-            let mute = schedule.entries().iter().find(|(letter, _)| !letter.tells_expected_flux());
-            if let (true, Some((letter, _))) = (driving.needs_expected_flux(), mute) {
-                return Err(SetupError::LetterCannotTell(letter.symbol()));
             }
             driving.begin(&mut system)?;
         }
@@ -161,7 +162,12 @@ impl Simulation {
         self.system.step += 1;
         let time_step = self.time_step;
         self.booked = self.system.booked.take().map(|booked| booked.scaled(1.0 / time_step));
-        Ok(self.driving.as_mut().map(|driving| driving.end_step(&self.system, time_step)))
+        Ok(self.driving.as_mut().and_then(|driving| driving.end_step(&mut self.system, time_step)))
+    }
+
+    /// What was exchanged in and after the last step, where the driving exchanges momentum.
+    pub fn exchanged(&self) -> Option<Exchanged> {
+        self.driving.as_ref()?.exchanged()
     }
 
     /// Δt.

@@ -61,11 +61,17 @@ pub fn answer(
         for (mut record, outcome) in found {
             if let Some(outcome) = outcome {
                 Profile::collect(&mut profiles, &record, &outcome);
-                for (part, table) in outcome.tables {
+                let name = |part: &str, extension: &str| {
                     let part = if part.is_empty() { String::new() } else { format!("-{part}") };
-                    let name = format!("{}-{}{part}{suffix}.csv", record.measurement, record.method);
-                    files.push((name.clone(), table.csv()));
-                    record.table.get_or_insert(name);
+                    format!("{}-{}{part}{suffix}.{extension}", record.measurement, record.method)
+                };
+                for (part, mut figure) in outcome.figures {
+                    figure.title.clone_from(&input.title);
+                    files.push((name(part, "svg"), figure.svg()));
+                }
+                for (part, table) in outcome.tables {
+                    files.push((name(part, "csv"), table.csv()));
+                    record.table.get_or_insert(name(part, "csv"));
                 }
             }
             estimates.push(record);

@@ -6,7 +6,7 @@ use crate::route::RunKind;
 use mesoflux_core::bond::Topology;
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
-use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving};
+use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Exchange, MomentumExchange, mean_field_viscosity};
 use mesoflux_core::forcing::ForcingChoice;
 use mesoflux_core::integrate::Integrator;
 use mesoflux_core::noise::NoiseKey;
@@ -44,11 +44,27 @@ pub(crate) fn simulation(point: &PointPlan, task: Task, workers: Workers, place:
         RunKind::Norton { forcing, flux, projection } => {
             Some(Box::new(ConstantFlux::new(field(forcing)?, *flux, *projection)))
         }
+        &RunKind::MomentumExchange { slabs, strength, interval, predicted_viscosity } => {
+            let exchange = input.exchange(slabs.gradient, strength, interval);
+            let stress = match exchange {
+                Exchange::Forced { momentum } => momentum / input.momentum_over_stress(slabs.gradient, interval),
+                Exchange::Swap => 0.0,
+            };
+            let viscosity = predicted_viscosity.or_else(|| predicted(&system, input.dynamics.temperature));
+            let gradient = viscosity.map_or(0.0, |viscosity| stress / viscosity);
+            Some(Box::new(MomentumExchange::new(slabs, exchange, interval, gradient)))
+        }
     };
     let mut simulation = Simulation::new(system, integrator, driving, noise, input.dynamics.time_step)
         .map_err(|error| refused(error.to_string()))?;
     simulation.book_stress(point.users(task.run).any(|user| point.measurements[user].route.books_stress()));
     Ok(simulation)
+}
+
+/// The viscosity by mean-field theory; of hard cores, whose viscosity is mostly that of their potential, nothing is known.
+fn predicted(system: &System, temperature: f64) -> Option<f64> {
+    let hard = system.interactions.potentials.entries().iter().flatten().any(|law| law.contact_distance() > 0.0);
+    if hard { None } else { mean_field_viscosity(system, temperature) }
 }
 
 /// The system of an input: particles placed and bonded, overlaps relaxed, momenta drawn.

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{FLUID, Folder, MEASURES, Random, error, printed, signal, wait_until};
+use common::{EXCHANGE, FLUID, Folder, MEASURES, Random, error, printed, signal, wait_until};
 use std::process::{Child, Command, Output};
 use std::time::{Duration, Instant};
 
@@ -78,7 +78,7 @@ fn long_input() -> String {
     let input = FLUID
         .replace("production_time = 4.0", "production_time = 20.0")
         .replace("replicas = 2", "replicas = 2\ncheckpoint_interval = 50");
-    format!("{input}{MEASURES}")
+    format!("{input}{MEASURES}{EXCHANGE}")
 }
 
 /// Whether a process has its own answer to a signal.

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{FLUID, Folder, MEASURES, list};
+use common::{EXCHANGE, FLUID, Folder, MEASURES, list};
 use serde_json::Value;
 
 /// The results without what the clock and the machine say.
@@ -35,7 +35,7 @@ fn same_on_any_number_of_threads(input: &str) {
 
 #[test]
 fn small_runs_side_by_side_are_the_same_on_any_number_of_threads() {
-    same_on_any_number_of_threads(&format!("{FLUID}{MEASURES}"));
+    same_on_any_number_of_threads(&format!("{FLUID}{MEASURES}{EXCHANGE}"));
 }
 
 #[test]

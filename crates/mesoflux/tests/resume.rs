@@ -4,12 +4,12 @@
 
 mod common;
 
-use common::{FLUID, Folder, MEASURES, error, printed, wait_until};
+use common::{EXCHANGE, FLUID, Folder, MEASURES, error, printed, wait_until};
 
 /// Every route, one lag of them left to follow from the production time, and a sweep.
 fn input() -> String {
     let sweep = "[measure.D2]\nquantity = \"diffusion_coefficient\"\n[sweep]\ndynamics.temperature = [1.0, 1.5]\n";
-    format!("{FLUID}{MEASURES}{sweep}")
+    format!("{FLUID}{MEASURES}{EXCHANGE}{sweep}")
 }
 
 fn refused(folder: &Folder, arguments: &str, code: i32, parts: &[&str]) {

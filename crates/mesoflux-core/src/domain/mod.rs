@@ -83,6 +83,23 @@ impl Workers {
         }
     }
 
+    /// The least of `key(k)` over 0 ≤ k < `count`, of those there are: the same for any number of threads where no two keys are equal.
+    pub fn least<K: PartialOrd + Copy + Send>(
+        self,
+        count: usize,
+        key: impl Fn(usize) -> Option<K> + Sync,
+    ) -> Option<K> {
+        let lesser = |a: K, b: K| if b < a { b } else { a };
+        let part = |range: std::ops::Range<usize>| range.filter_map(&key).reduce(lesser);
+        match self {
+            Self::One => part(0..count),
+            Self::Pool => (0..count.div_ceil(CHUNK))
+                .into_par_iter()
+                .filter_map(|k| part(k * CHUNK..((k + 1) * CHUNK).min(count)))
+                .reduce_with(lesser),
+        }
+    }
+
     /// The two largest of `value(k)` over 0 ≤ k < `count`, the larger first; a value that isn't a number counts as infinite.
     pub fn two_largest(self, count: usize, value: impl Fn(usize) -> f64 + Sync) -> [f64; 2] {
         let include = |[first, second]: [f64; 2], value: f64| {

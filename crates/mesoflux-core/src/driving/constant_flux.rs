@@ -136,11 +136,11 @@ impl Driving for ConstantFlux {
         }
     }
 
-    fn end_step(&mut self, system: &System, time_step: f64) -> DrivenStep {
+    fn end_step(&mut self, system: &mut System, time_step: f64) -> Option<DrivenStep> {
         // The particles may have been sorted anew since the last letter that projected.
         self.field.update(&system.particles, system.layout(), true, system.workers);
         let forcing = std::mem::take(&mut self.booked) / time_step;
-        DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing }
+        Some(DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing })
     }
 
     fn needs_expected_flux(&self) -> bool {

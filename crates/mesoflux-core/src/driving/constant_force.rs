@@ -2,7 +2,7 @@
 
 use super::{DrivenStep, Driving};
 use crate::forcing::{ForcingError, ForcingField};
-use crate::integrate::{Change, Constraint};
+use crate::integrate::Change;
 use crate::system::System;
 
 /// Adds η F(q) to the conservative force in every kick.
@@ -26,10 +26,6 @@ impl Driving for ConstantForce {
         Ok(())
     }
 
-    fn constraint(&mut self, _system: &System) -> Option<Constraint<'_>> {
-        None
-    }
-
     fn after_letter(&mut self, system: &mut System, symbol: char, time: f64, _change: Change) {
         if symbol == 'B' {
             self.field.update(&system.particles, system.layout(), true, system.workers);
@@ -37,8 +33,8 @@ impl Driving for ConstantForce {
         }
     }
 
-    fn end_step(&mut self, system: &System, _time_step: f64) -> DrivenStep {
+    fn end_step(&mut self, system: &mut System, _time_step: f64) -> Option<DrivenStep> {
         self.field.update(&system.particles, system.layout(), true, system.workers);
-        DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing: self.magnitude }
+        Some(DrivenStep { flux: self.field.flux(&system.particles, system.workers), forcing: self.magnitude })
     }
 }

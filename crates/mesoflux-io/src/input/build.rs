@@ -178,6 +178,7 @@ impl Input {
         for measure in input.measure.values_mut() {
             measure.routes = measure.quantity.default_routes(&measure.routes);
             measure.fill_forcing();
+            measure.fill_momentum_exchange();
         }
         if self.sweep.is_empty() {
             input.derive();

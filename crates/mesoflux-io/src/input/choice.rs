@@ -1,7 +1,7 @@
 //! Values that need a reader of their own: a law or "none", one number or several, the three sides of a box.
 
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::ser::{Serialize, Serializer};
 use std::fmt;
 use std::marker::PhantomData;
@@ -21,7 +21,7 @@ pub(super) fn deserialize<'de, L: Deserialize<'de>, D: Deserializer<'de>>(
         }
 
         fn visit_str<E: Error>(self, word: &str) -> Result<Self::Value, E> {
-            if word == "none" { Ok(None) } else { Err(E::invalid_value(serde::de::Unexpected::Str(word), &self)) }
+            if word == "none" { Ok(None) } else { Err(E::invalid_value(Unexpected::Str(word), &self)) }
         }
 
         fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
@@ -81,6 +81,52 @@ impl<'de> Deserialize<'de> for Magnitudes {
                     magnitudes.push(number);
                 }
                 Ok(Magnitudes(magnitudes))
+            }
+        }
+
+        input.deserialize_any(OneOrSeveral)
+    }
+}
+
+/// One whole number, or an array of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Intervals(pub Vec<u64>);
+
+impl Serialize for Intervals {
+    fn serialize<S: Serializer>(&self, output: S) -> Result<S::Ok, S::Error> {
+        match self.0.as_slice() {
+            [only] => only.serialize(output),
+            several => several.serialize(output),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Intervals {
+    fn deserialize<D: Deserializer<'de>>(input: D) -> Result<Self, D::Error> {
+        struct OneOrSeveral;
+
+        impl<'de> Visitor<'de> for OneOrSeveral {
+            type Value = Intervals;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a whole number of at least 1 or an array of them")
+            }
+
+            fn visit_i64<E: Error>(self, number: i64) -> Result<Intervals, E> {
+                let unfit = |_| E::invalid_value(Unexpected::Signed(number), &self);
+                u64::try_from(number).map(|number| Intervals(vec![number])).map_err(unfit)
+            }
+
+            fn visit_u64<E: Error>(self, number: u64) -> Result<Intervals, E> {
+                Ok(Intervals(vec![number]))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut numbers: A) -> Result<Intervals, A::Error> {
+                let mut intervals = Vec::new();
+                while let Some(number) = numbers.next_element()? {
+                    intervals.push(number);
+                }
+                Ok(Intervals(intervals))
             }
         }
 

@@ -37,9 +37,15 @@ impl Quantity {
             Self::TransportCoefficient => &["nemd", "norton"],
             Self::RadialDistribution => &["histogram"],
             Self::IsothermalCompressibility | Self::SoundSpeed => &["derivative", "fluctuation"],
-            Self::ShearViscosity => {
-                &["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current", "nemd", "norton"]
-            }
+            Self::ShearViscosity => &[
+                "green_kubo",
+                "green_kubo_total_stress",
+                "einstein_helfand",
+                "transverse_current",
+                "nemd",
+                "norton",
+                "momentum_exchange",
+            ],
             Self::BulkViscosity => &["green_kubo", "green_kubo_total_stress"],
             Self::CorrelationTime | Self::AsymptoticVariance => &["blocking", "correlation"],
         }
@@ -91,9 +97,10 @@ impl Quantity {
     }
 }
 
-/// Whether a route takes its coefficient from the way in which conserved momentum spreads.
+/// Whether a route takes its coefficient from the way in which conserved momentum spreads or flows.
 pub(super) fn rests_on_momentum(route: &str) -> bool {
-    ["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current"].contains(&route)
+    ["green_kubo", "green_kubo_total_stress", "einstein_helfand", "transverse_current", "momentum_exchange"]
+        .contains(&route)
 }
 
 impl RoutesInput {
@@ -115,6 +122,7 @@ impl RoutesInput {
             ("correlation", self.correlation.is_some()),
             ("nemd", self.nemd.is_some()),
             ("norton", self.norton.is_some()),
+            ("momentum_exchange", self.momentum_exchange.is_some()),
             ("histogram", self.histogram.is_some()),
             ("radial_distribution", self.radial_distribution.is_some()),
             ("derivative", self.derivative.is_some()),

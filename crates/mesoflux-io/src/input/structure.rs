@@ -1,7 +1,7 @@
 //! Parameters of the routes to structure and compressibility; the same input at another density, or at half its time step.
 
 use super::validate::{Invalid, number, rounded, written};
-use super::{Input, MeasureInput, Quantity, RoutesInput, choice::Magnitudes};
+use super::{Input, MeasureInput, MomentumExchangeInput, Quantity, RoutesInput, choice::Magnitudes};
 use mesoflux_core::observable::shells;
 use mesoflux_core::potential::Requirement;
 use serde::{Deserialize, Serialize};
@@ -108,6 +108,8 @@ impl Input {
         let mut input = self.clone();
         input.dynamics.time_step *= 0.5;
         input.run.sample_interval = self.run.sample_interval.saturating_mul(2);
+        let exchanges = input.measure.values_mut().filter_map(|measure| measure.routes.momentum_exchange.as_mut());
+        exchanges.for_each(MomentumExchangeInput::at_half_time_step);
         input
     }
 

@@ -6,7 +6,7 @@ use super::structure::MOST_BINS;
 use super::validate::{Invalid, number, written};
 use super::wording::one_of;
 use super::{CountingInput, Input, MeasureInput, ProfileInput, Quantity, RoutesInput};
-use mesoflux_core::forcing::{Axis, ForcingChoice, ForcingError, ForcingKind, Wave};
+use mesoflux_core::forcing::{ForcingChoice, ForcingError, ForcingKind, Wave};
 use mesoflux_core::observable::{check_configurational_temperature, check_pressure};
 use mesoflux_core::potential::Requirement;
 
@@ -84,6 +84,7 @@ impl Input {
             let place = format!("{path}.routes.transverse_current.wavenumbers");
             return Err(Invalid::new(place, 0, "must be at least 1"));
         }
+        self.validate_momentum_exchange(path, measure)?;
         self.validate_driving(path, measure, &routes)
     }
 
@@ -156,10 +157,11 @@ impl Input {
     /// A forcing that drives what is measured, in a box and with particles that allow it.
     fn validate_forcing(&self, path: &str, measure: &MeasureInput) -> Result<(), Invalid> {
         let shears = measure.forcing.as_ref().is_some_and(ForcingKind::is_shear);
+        let exchanges = measure.routes.momentum_exchange.is_some();
         let is_typed = matches!(measure.forcing, Some(ForcingKind::Expression(_)));
         let misplaced = [
-            ("flow", measure.flow.is_some() && !shears),
-            ("gradient", measure.gradient.is_some() && !shears),
+            ("flow", measure.flow.is_some() && !shears && !exchanges),
+            ("gradient", measure.gradient.is_some() && !shears && !exchanges),
             ("waves", measure.waves.is_some() && !shears),
             ("remove_mean_force", measure.remove_mean_force.is_some() && !shears && !is_typed),
         ];
@@ -227,11 +229,8 @@ fn validate_counting(place: &str, counting: CountingInput) -> Result<(), Invalid
 impl MeasureInput {
     /// The forcing with all that it needs to be told, where one is named.
     pub fn forcing_choice(&self) -> Option<ForcingChoice> {
-        let wave = Wave {
-            flow: self.flow.unwrap_or(Axis::X),
-            gradient: self.gradient.unwrap_or(Axis::Y),
-            waves: self.waves.unwrap_or(1),
-        };
+        let [flow, gradient] = self.flow_and_gradient();
+        let wave = Wave { flow, gradient, waves: self.waves.unwrap_or(1) };
         let remove_mean_force = self.remove_mean_force.unwrap_or(true);
         self.forcing.clone().map(|kind| ForcingChoice { kind, wave, remove_mean_force })
     }

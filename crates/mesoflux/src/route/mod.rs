@@ -9,6 +9,7 @@ mod fluctuation;
 mod green_kubo;
 mod mean_squared_displacement;
 mod memory;
+mod momentum_exchange;
 mod observable;
 mod probability_density;
 mod profile;
@@ -20,16 +21,18 @@ mod velocity_autocorrelation;
 
 pub use correlation::Correlations;
 pub use driven::DrivenRecord;
+pub use momentum_exchange::ExchangeRecord;
 pub use record::Record;
 
+use crate::figure::Figure;
 use compressibility::Wanted;
 use green_kubo::Viscosity;
 use mesoflux_analysis::{AnalysisError, Estimate};
-use mesoflux_core::driving::Projection;
+use mesoflux_core::driving::{Projection, Slabs};
 use mesoflux_core::forcing::ForcingChoice;
 use mesoflux_core::observable::Thermodynamics;
 use mesoflux_core::run::{Moment, Recorder};
-use mesoflux_io::input::{Input, MeasureInput, Quantity};
+use mesoflux_io::input::{ExchangeStrength, Input, MeasureInput, Quantity};
 use mesoflux_io::results::{Conditions, Table};
 use std::io::{self, Write};
 
@@ -54,6 +57,17 @@ pub enum RunKind {
         /// How it is held.
         projection: Projection,
     },
+    /// By an exchange of momentum between two slabs.
+    MomentumExchange {
+        /// Where.
+        slabs: Slabs,
+        /// How strongly.
+        strength: ExchangeStrength,
+        /// Steps from one exchange to the next.
+        interval: u64,
+        /// By which the flow at the start is predicted.
+        predicted_viscosity: Option<f64>,
+    },
     /// Not at all, at another density.
     AtDensity {
         /// What the density of the input is multiplied by.
@@ -68,6 +82,7 @@ impl RunKind {
             Self::Equilibrium => "equilibrium",
             Self::Nemd { .. } => "nemd",
             Self::Norton { .. } => "norton",
+            Self::MomentumExchange { .. } => "momentum_exchange",
             Self::AtDensity { .. } => "derivative",
         }
     }
@@ -78,6 +93,18 @@ impl RunKind {
             Self::Equilibrium => Conditions::new(),
             Self::Nemd { magnitude, .. } => Conditions::from([("magnitude".to_owned(), magnitude.into())]),
             Self::Norton { flux, .. } => Conditions::from([("flux".to_owned(), flux.into())]),
+            Self::MomentumExchange { strength, interval, .. } => {
+                let interval = ("interval".to_owned(), interval.into());
+                match strength {
+                    ExchangeStrength::Momentum(momentum) => {
+                        Conditions::from([("momentum".to_owned(), momentum.into()), interval])
+                    }
+                    ExchangeStrength::Stress(stress) => {
+                        Conditions::from([("stress".to_owned(), stress.into()), interval])
+                    }
+                    ExchangeStrength::Swap => Conditions::from([interval]),
+                }
+            }
             Self::AtDensity { factor } => Conditions::from([("density_factor".to_owned(), factor.into())]),
         }
     }
@@ -97,6 +124,16 @@ impl RunKind {
                 [vec![2, kind, flux.to_bits(), *projection as u64], more].concat()
             }
             Self::AtDensity { factor } => vec![3, 0, factor.to_bits()],
+            Self::MomentumExchange { slabs, strength, interval, predicted_viscosity } => {
+                let (kind, strength) = match strength {
+                    ExchangeStrength::Momentum(momentum) => (0, momentum.to_bits()),
+                    ExchangeStrength::Stress(stress) => (1, stress.to_bits()),
+                    ExchangeStrength::Swap => (2, 0),
+                };
+                let axes = 3 * slabs.flow as u64 + slabs.gradient as u64;
+                let predicted = predicted_viscosity.unwrap_or(0.0).to_bits();
+                vec![4, kind, strength, *interval, axes, slabs.width.to_bits(), predicted]
+            }
         }
     }
 }
@@ -127,6 +164,8 @@ pub struct Outcome {
     pub conditions: Conditions,
     /// Tables to write beside the results, each with the end of its file's name, which the first one has none of.
     pub tables: Vec<(&'static str, Table)>,
+    /// Figures of the route's own, each with the end of its file's name, as for tables.
+    pub figures: Vec<(&'static str, Figure)>,
     /// Points of the response curve, for a route that drives the fluid.
     pub response: Vec<Response>,
     /// The response curve fitted to them as (forcing, flux), from end to end; empty where it is the straight line.
@@ -147,8 +186,8 @@ pub struct Response {
 impl Outcome {
     /// An estimate alone.
     pub fn of(estimate: Estimate) -> Self {
-        let (tables, response, fitted) = Default::default();
-        Self { estimate, conditions: Conditions::new(), tables, response, fitted, slope: None }
+        let (tables, figures, response, fitted) = Default::default();
+        Self { estimate, conditions: Conditions::new(), tables, figures, response, fitted, slope: None }
     }
 }
 
@@ -281,6 +320,9 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
     }
     if let (Some(parameters), Some(forcing)) = (asked.norton, measure.forcing_choice()) {
         routes.push(Box::new(driven::Driven(driven::Norton { forcing, parameters })));
+    }
+    if let Some(parameters) = asked.momentum_exchange {
+        routes.push(Box::new(momentum_exchange::MomentumExchange::new(measure, parameters)));
     }
     if let Some(parameters) = asked.histogram {
         routes.push(Box::new(radial_distribution::Histogram { parameters }));

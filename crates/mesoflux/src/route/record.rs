@@ -3,6 +3,7 @@
 use super::RouteError;
 use super::correlation::Correlations;
 use super::driven::DrivenRecord;
+use super::momentum_exchange::ExchangeRecord;
 use mesoflux_analysis::{Blocking, Histogram, MeanSquaredDisplacement};
 
 /// The record of a run, or of several replicas merged.
@@ -20,6 +21,8 @@ pub enum Record {
     Correlations(Box<Correlations>),
     /// Of a driven run.
     Driven(Box<DrivenRecord>),
+    /// Of a run by momentum exchange.
+    Exchange(Box<ExchangeRecord>),
 }
 
 impl Record {
@@ -37,6 +40,7 @@ impl Record {
             (Self::Histogram(mine), Self::Histogram(theirs)) => Ok(mine.merge(theirs)?),
             (Self::Correlations(mine), Self::Correlations(theirs)) => mine.merge(theirs),
             (Self::Driven(mine), Self::Driven(theirs)) => mine.merge(theirs),
+            (Self::Exchange(mine), Self::Exchange(theirs)) => mine.merge(theirs),
             _ => Err(RouteError::WrongRecord),
         }
     }

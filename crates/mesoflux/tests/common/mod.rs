@@ -62,6 +62,19 @@ quantity = "potential_energy"
 quantity = "diffusion_coefficient"
 "#;
 
+/// Momentum exchange, forced and by swaps.
+pub const EXCHANGE: &str = r#"
+[measure.viscosity_by_exchange]
+quantity = "shear_viscosity"
+routes.momentum_exchange = { stress = [0.5, 1.0], interval = 3, bins = 8 }
+
+[measure.viscosity_by_swaps]
+quantity = "shear_viscosity"
+flow = "z"
+gradient = "x"
+routes.momentum_exchange = { kind = "swap", interval = 5, bins = 8 }
+"#;
+
 /// Every route to structure and thermodynamics.
 pub const STRUCTURE: &str = r#"
 [measure.g]

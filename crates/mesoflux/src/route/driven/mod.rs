@@ -211,7 +211,7 @@ fn fitted<W: Way>(curve: &ResponseCurve, points: &[ResponsePoint]) -> Vec<(f64, 
 }
 
 /// Whether the response is linear.
-fn curve_conditions(curve: &ResponseCurve) -> Conditions {
+pub(super) fn curve_conditions(curve: &ResponseCurve) -> Conditions {
     let mut conditions = Conditions::new();
     if let Some(linear) = curve.linear {
         conditions.insert("linear".to_owned(), linear.into());
