@@ -227,7 +227,7 @@ mod tests {
         let integrator = integrate::Integrator::VelocityVerlet(integrate::VelocityVerlet::new(
             1.0,
             0.5,
-            friction::fluctuation_dissipation::Correction::default(),
+            mesoflux_core::friction::fluctuation_dissipation::Correction::default(),
         ));
         Simulation::new(system, integrator, None, NoiseKey::new(&[1]), 0.01).unwrap()
     }
