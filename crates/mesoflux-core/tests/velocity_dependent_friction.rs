@@ -301,7 +301,7 @@ fn explicit_pairs_need_the_correction() {
 }
 
 /// The paper's ideal fluid, n = 16, in a small box.
-fn fluid(law: Friction, masses: &[f64], integrator: Integrator, noise: NoiseKey, time_step: f64) -> Simulation {
+fn fluid(law: &Friction, masses: &[f64], integrator: Integrator, noise: NoiseKey, time_step: f64) -> Simulation {
     let count = 600;
     let region = PeriodicBox::new([(count as f64 / 16.0).cbrt(); 3]).unwrap();
     let species = (0..count).map(|k| (k % masses.len()) as u8).collect();
@@ -343,7 +343,7 @@ fn fluids_have_maxwells_speeds_at_a_large_time_step() {
         for (index, (name, law)) in laws.iter().enumerate() {
             let masses: &[f64] = if index == 1 { &[1.0, 2.5] } else { &[1.0] };
             let noise = NoiseKey::new(&[seed, index as u64]);
-            let mut simulation = fluid(law.clone(), masses, letter(), noise, 0.01);
+            let mut simulation = fluid(law, masses, letter(), noise, 0.01);
             let (found, error) = temperature(&mut simulation, 30);
             println!("{name}: kT = {found:.5}({error:.5})");
             scores.push((found - TEMPERATURE) / error);
@@ -372,7 +372,7 @@ fn the_explicit_schemes_temperature_is_the_predicted_one() {
         let time_step = 0.01;
         let integrator = Integrator::Explicit(Explicit::new(TEMPERATURE, Correction::default()));
         let linear = Friction::Linear(friction(5.0, 1.0));
-        let mut simulation = fluid(linear, &[1.0], integrator, NoiseKey::new(&[seed]), time_step);
+        let mut simulation = fluid(&linear, &[1.0], integrator, NoiseKey::new(&[seed]), time_step);
         let (found, error) = temperature(&mut simulation, 60);
         // Of N particles only N − 1 rub against each.
         let rate = RATE * 599.0 / 600.0;
@@ -386,7 +386,7 @@ fn the_explicit_schemes_temperature_is_the_predicted_one() {
 #[test]
 fn relative_velocities_of_near_pairs_are_normal() {
     check_scores(|seed| {
-        let mut simulation = fluid(dot_law(3.0), &[1.0, 3.0], letter(), NoiseKey::new(&[seed, 9]), 0.01);
+        let mut simulation = fluid(&dot_law(3.0), &[1.0, 3.0], letter(), NoiseKey::new(&[seed, 9]), 0.01);
         advance(&mut simulation, 2.0);
         let mut places = Vec::new();
         for _ in 0..20 {

@@ -2,7 +2,7 @@
 
 use super::{Dependence, Factor, Factors, Motion, Motions, PairFriction};
 use crate::expression::{self, ExpressionError, Tape};
-use crate::lanes::{Lanes, Real};
+use crate::lanes::{BlockNumbers, Lanes, Real};
 use crate::potential::Requirement;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -167,7 +167,7 @@ impl PairFriction for Expression {
         law.friction.fill(rows, &variables, &mut factors.value);
         match &law.slope {
             Some(slope) => slope.fill(rows, &variables, &mut factors.slope),
-            None => factors.slope = Default::default(),
+            None => factors.slope = BlockNumbers::default(),
         }
     }
 }

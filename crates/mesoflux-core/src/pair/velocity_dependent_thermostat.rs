@@ -247,7 +247,7 @@ impl BrickSweep<'_> {
         let mut there = PairStep { decay: zero, spread: zero, skew: zero };
         let mut here = there;
         // Once for the friction at u and, where a step has to be tested, once for that at u + Δ.
-        for end in 0..1 + usize::from(self.radial) {
+        for end in 0..=usize::from(self.radial) {
             here = there;
             let radial = if end == 0 { u } else { u + here.change(u, normal) };
             radial.store(&mut updates.motions.radial[0]);
