@@ -9,7 +9,7 @@
 //! - [`MultipleTau`], [`full_correlation`]: auto- and cross-correlations, their Green–Kubo integrals, Helfand slopes, correlation times;
 //! - histograms ([`Histogram`]) of correlated series;
 //! - [`fit_response`], [`fit_inverse_response`]: a transport coefficient from several points of a response curve;
-//! - [`steady_state`]: where a relaxing series has become steady;
+//! - [`steady_state()`]: where a relaxing series has become steady;
 //! - [`polynomial_functionals`]: extrapolations as functionals of a series;
 //! - [`chi_squared_p_value`] and others: tests of distributions.
 //!

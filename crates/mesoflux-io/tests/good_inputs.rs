@@ -99,7 +99,6 @@ fn what_an_input_leaves_open_follows_from_the_rest() {
                 cutoff: 1.0,
                 skin: (0.14f64 * 9.0 * 0.001 * 0.1f64.sqrt()).sqrt(),
                 word: None,
-                ..one
             },
         ),
         ("constant_energy.toml", Derived { skin: (0.14f64 * 9.0 * 0.002 * 2.5).sqrt(), word: Some("BAB"), ..one }),
