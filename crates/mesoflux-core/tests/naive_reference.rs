@@ -10,11 +10,11 @@ use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
 use mesoflux_core::driving::{ConstantFlux, ConstantForce, Driving, Projection};
 use mesoflux_core::forcing::{ForcingField, ForcingKind};
-use mesoflux_core::friction::Friction;
 use mesoflux_core::friction::cross::Cross;
 use mesoflux_core::friction::dot::Dot;
 use mesoflux_core::friction::expression::Source;
 use mesoflux_core::friction::fluctuation_dissipation::Correction;
+use mesoflux_core::friction::{Dependence, Friction};
 use mesoflux_core::integrate::{Change, Explicit, FluxChange, Integrator, Schedule, Stroke, VelocityVerlet};
 use mesoflux_core::noise::{NoiseKey, Purpose};
 use mesoflux_core::observable::{BookedStress, Stress};
@@ -156,9 +156,11 @@ fn sweep_order(system: &mut System, backward: bool) -> Vec<(usize, usize)> {
     let id = system.particles.id.clone();
     let mut order = Vec::new();
     let cutoff = system.interactions.cutoff();
+    let linear = system.interactions.friction_dependence() == Dependence::Distance;
     let (positions, region) = (system.particles.position.clone(), system.region);
     for contacts in system.contacts().contacts() {
-        let near = contacts.in_order().filter(|&k| contacts.separation(k, &positions, &region).0 < cutoff);
+        let visits: Vec<usize> = if linear { contacts.in_order().collect() } else { contacts.in_rows().collect() };
+        let near = visits.into_iter().filter(|&k| contacts.separation(k, &positions, &region).0 < cutoff);
         order.extend(near.map(|k| contacts.pair(k).map(|place| id[place] as usize)).map(|[i, j]| (i, j)));
     }
     if backward {

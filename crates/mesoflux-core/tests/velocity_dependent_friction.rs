@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{advance, check_scores, friction, interactions, probit};
+use common::{advance, by_id, check_scores, friction, interactions, probit};
 use mesoflux_analysis::{chi_squared_p_value, kolmogorov_smirnov_p_value, maxwell_speed_cdf, normal_cdf};
 use mesoflux_core::boundary::PeriodicBox;
 use mesoflux_core::domain::Workers;
@@ -302,7 +302,17 @@ fn explicit_pairs_need_the_correction() {
 
 /// The paper's ideal fluid, n = 16, in a small box.
 fn fluid(law: &Friction, masses: &[f64], integrator: Integrator, noise: NoiseKey, time_step: f64) -> Simulation {
-    let count = 600;
+    fluid_of(600, law, masses, integrator, noise, time_step)
+}
+
+fn fluid_of(
+    count: usize,
+    law: &Friction,
+    masses: &[f64],
+    integrator: Integrator,
+    noise: NoiseKey,
+    time_step: f64,
+) -> Simulation {
     let region = PeriodicBox::new([(count as f64 / 16.0).cbrt(); 3]).unwrap();
     let species = (0..count).map(|k| (k % masses.len()) as u8).collect();
     let sites = positions(Start::CubicLattice, count, &region, noise);
@@ -380,6 +390,30 @@ fn the_explicit_schemes_temperature_is_the_predicted_one() {
         println!("kT = {found:.5}({error:.5}), expected {expected:.5}");
         vec![(found - expected) / error]
     });
+}
+
+/// The order of visits follows from the state, whoever works on which brick; momentum is conserved.
+#[test]
+fn threads_change_no_bits() {
+    for law in [dot_law(1.0), typed_law()] {
+        let run = |workers: Workers| {
+            let mut simulation = fluid_of(6000, &law, &[1.0, 2.0], letter(), NoiseKey::new(&[3]), 0.01);
+            simulation.system.workers = workers;
+            for _ in 0..6 {
+                simulation.step().unwrap();
+            }
+            let particles = &simulation.system.particles;
+            let total =
+                particles.momentum.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
+            assert!(dot(total, total).sqrt() < 1e-10, "momentum {total:?}");
+            by_id(particles, &particles.momentum)
+        };
+        let expected = run(Workers::One);
+        for threads in [2, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            assert!(pool.install(|| run(Workers::Pool)) == expected, "momenta differ on {threads} threads");
+        }
+    }
 }
 
 /// Every pair's relative velocity along its line of centers has the variance kT(1/m_i + 1/m_j).

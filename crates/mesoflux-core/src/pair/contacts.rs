@@ -63,41 +63,62 @@ impl Contacts {
         contacts
     }
 
-    /// The contacts of a block of others in the order in which a sweep visits them, behind each other; returns how many.
+    /// The contacts in the order of a forward sweep of rows.
     ///
-    /// Their own block is then the first that they have: row by row as they are visited.
+    /// Thirty-two streams in lockstep, row by row of eight that stand four streams apart: what one row of pairs does to a particle is
+    /// needed again four rows later, and a processor can work on several rows at a time.
+    pub fn in_rows(&self) -> impl Iterator<Item = usize> {
+        (0..self.count).map(|visit| self.of_visit(visit))
+    }
+
+    /// Which contact a forward sweep of rows visits as this one.
     #[inline(always)]
-    pub(crate) fn take_in_order(&mut self, others: &Self, block: &Block, backward: bool) -> usize {
-        let (depth, streams) = (block.depth.min(WIDTH), block.streams.min(WIDTH));
-        let count = depth * streams;
-        if self.first.len() < (WIDTH + 1) * WIDTH {
-            self.first.resize((WIDTH + 1) * WIDTH, 0);
-            self.second.resize((WIDTH + 1) * WIDTH, 0);
+    fn of_visit(&self, visit: usize) -> usize {
+        const GROUPS: usize = 4;
+        let stride = self.count / (GROUPS * WIDTH);
+        if visit >= stride * GROUPS * WIDTH {
+            return visit;
+        }
+        let (entry, group, lane) = (visit / (GROUPS * WIDTH), visit / WIDTH % GROUPS, visit % WIDTH);
+        (lane * GROUPS + group) * stride + entry
+    }
+
+    /// Up to eight times eight contacts of others from one visit of a sweep of rows on, as they are visited; returns how many, and the
+    /// block of their rows.
+    #[inline(always)]
+    pub(crate) fn take_rows(&mut self, others: &Self, from: usize, backward: bool) -> (usize, Block) {
+        const ROOM: usize = (WIDTH + 1) * WIDTH;
+        if self.first.len() < ROOM {
+            self.first.resize(ROOM, 0);
+            self.second.resize(ROOM, 0);
         }
         let kinds = !others.kind.is_empty();
-        self.kind.resize(if kinds { self.first.len() } else { 0 }, 0);
-        for s in 0..streams {
-            let from = block.stream(s);
-            let [first, second] = others.places(from);
-            let kind = others.kinds(from);
-            for k in 0..depth {
-                let visit = k * streams + s;
-                let n = if backward { count - 1 - visit } else { visit };
-                (self.first[n], self.second[n]) = (first[k], second[k]);
-                if let Some(kind) = kind {
-                    self.kind[n] = kind[k];
-                }
+        self.kind.resize(if kinds { ROOM } else { 0 }, 0);
+        let count = (others.count - from).min(WIDTH * WIDTH);
+        for n in 0..count {
+            let visit = if backward { others.count - 1 - from - n } else { from + n };
+            let contact = others.of_visit(visit);
+            (self.first[n], self.second[n]) = (others.first[contact], others.second[contact]);
+            if kinds {
+                self.kind[n] = others.kind[contact];
             }
         }
         self.count = count;
         self.places_below = others.places_below;
-        count
+        (count, Block { first: 0, stride: WIDTH, streams: count.div_ceil(WIDTH), depth: WIDTH.min(count) })
     }
 
-    /// So many contacts row by row, as one block.
+    /// The places of some contacts, first and second.
     #[inline(always)]
-    pub(crate) fn rows(count: usize) -> Block {
-        Block { first: 0, stride: WIDTH, streams: count.div_ceil(WIDTH), depth: WIDTH.min(count) }
+    pub(crate) fn pairs(&self, range: std::ops::Range<usize>) -> [&[u32]; 2] {
+        [&self.first[range.clone()], &self.second[range]]
+    }
+
+    /// The places of two rows of eight from one on.
+    #[inline(always)]
+    pub(crate) fn row_places(&self, row: usize) -> [[[u32; WIDTH]; 2]; 2] {
+        let (row, next) = (row * WIDTH, (row + 1) * WIDTH);
+        [[*group(&self.first, row), *group(&self.first, next)], [*group(&self.second, row), *group(&self.second, next)]]
     }
 
     /// How many there are.

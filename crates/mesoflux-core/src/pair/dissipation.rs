@@ -4,7 +4,7 @@ use super::contacts::{Block, Contacts};
 use super::factors::{FillFactors, Kinds, by_kind, friction};
 use super::separations::Separations;
 use crate::friction::fluctuation_dissipation::{Correction, correction, predicted, random_force};
-use crate::friction::{Factors, Motions};
+use crate::friction::{Dependence, Factors, Motions};
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, Lanes, Row, inner_product};
 use crate::noise::Draw;
@@ -23,8 +23,10 @@ pub struct PairNoise {
 }
 
 /// Γ, u, Λ and the random force of a block's pairs.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Dissipation {
+    /// Whether a friction depends on velocities.
+    factored: bool,
     kinds: Kinds,
     motions: Motions,
     factors: Factors,
@@ -39,6 +41,22 @@ pub(super) struct Dissipation {
 }
 
 impl Dissipation {
+    /// Room for a block.
+    #[inline(always)]
+    pub fn new(interactions: &Interactions) -> Self {
+        Self {
+            factored: interactions.friction_dependence() != Dependence::Distance,
+            kinds: Kinds::default(),
+            motions: Motions::default(),
+            factors: Factors::default(),
+            amplitude: BlockNumbers::default(),
+            normals: BlockNumbers::default(),
+            strength: BlockNumbers::default(),
+            slope: BlockNumbers::default(),
+            random: BlockNumbers::default(),
+        }
+    }
+
     /// u of one stream's pairs.
     #[inline(always)]
     pub fn radial<L: Lanes>(&self, stream: usize) -> L {
@@ -60,9 +78,9 @@ impl Dissipation {
         correction(L::load(&self.slope[stream]), inverse_reduced_mass, temperature)
     }
 
-    /// Takes over the velocities, in storage order; frictions that depend on them are `FACTORED`.
+    /// Takes over the velocities, in storage order.
     #[inline(always)]
-    pub fn update<L: Lanes, const FACTORED: bool>(
+    pub fn update<L: Lanes>(
         &mut self,
         contacts: &Contacts,
         block: &Block,
@@ -80,14 +98,14 @@ impl Dissipation {
             let v = [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]];
             let u = inner_product(pairs.direction(s), v);
             u.store(&mut self.motions.radial[s]);
-            if FACTORED {
+            if self.factored {
                 let squared = (-u).mul_add(u, inner_product(v, v));
                 let zero = L::splat(0.0);
                 L::select(zero.below(squared), squared, zero).store(&mut self.motions.transverse_squared[s]);
                 self.motions.distance[s] = pairs.distance[s];
             }
         }
-        if FACTORED {
+        if self.factored {
             self.kinds.update(contacts, block);
             self.set_friction::<L>(block, interactions);
         } else {
@@ -109,7 +127,7 @@ impl Dissipation {
 
     /// Draws the random forces, after the velocities have been taken over.
     #[inline(always)]
-    pub fn draw<L: Lanes, const FACTORED: bool>(
+    pub fn draw<L: Lanes>(
         &mut self,
         block: &Block,
         interactions: &Interactions,
@@ -120,14 +138,14 @@ impl Dissipation {
         for s in 0..block.streams {
             let normal = L::load(&self.normals[s]);
             let force = random_force(L::load(&self.strength[s]), noise.temperature, noise.time_step) * normal;
-            let corrected = if FACTORED && noise.correction == Correction::Derivative {
+            let corrected = if self.factored && noise.correction == Correction::Derivative {
                 self.correction::<L>(interactions, noise.temperature, s).mul_add(normal * normal, force)
             } else {
                 force
             };
             corrected.store(&mut self.random[s]);
         }
-        if FACTORED && noise.correction == Correction::TwoStep {
+        if self.factored && noise.correction == Correction::TwoStep {
             let (radial, strength, slope) = (self.motions.radial, self.strength, self.slope);
             for s in 0..block.streams {
                 let inverse_reduced_mass = by_kind::<L>(&interactions.inverse_reduced_masses, &self.kinds, s);

@@ -3,18 +3,18 @@
 use super::contacts::{Block, Contacts};
 use crate::friction::{Factor, Factors, Friction, Motions};
 use crate::interactions::{Kind, PairTable};
-use crate::lanes::{BlockOf, InstructionSet, Kernel, Lanes};
+use crate::lanes::{BlockOf, InstructionSet, Kernel, Lanes, WIDTH};
 
 /// The kind of each pair of a block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Kinds(pub BlockOf<Kind>);
 
 impl Kinds {
-    /// Those of one row, as the first of a block.
+    /// Those of two rows from one on, as the first of a block.
     #[inline(always)]
-    pub fn row(&self, row: usize) -> Self {
+    pub fn rows(&self, row: usize) -> Self {
         let mut first = Self::default();
-        first.0[0] = self.0[row];
+        (first.0[0], first.0[1]) = (self.0[row], self.0[(row + 1) % WIDTH]);
         first
     }
 

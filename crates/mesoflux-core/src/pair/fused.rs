@@ -6,7 +6,6 @@ use super::scatter::{BlockRows, Scatter};
 use super::separations::Separations;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
-use crate::friction::Dependence;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, scaled};
 use crate::neighbors::{KindOfPair, NeighborList};
@@ -52,27 +51,15 @@ impl Kernel for BrickForces<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        if self.interactions.friction_dependence() == Dependence::Distance {
-            self.forces::<L, false>();
-        } else {
-            self.forces::<L, true>();
-        }
-    }
-}
-
-impl BrickForces<'_> {
-    /// The forces of frictions that depend on velocities, or don't.
-    #[inline(always)]
-    fn forces<L: Lanes, const FACTORED: bool>(self) {
         let Self { contacts, interactions, points, region, velocity, noise, target } = self;
         target.check(contacts);
-        let (mut pairs, mut dissipation) = (Separations::default(), Dissipation::default());
+        let (mut pairs, mut dissipation) = (Separations::default(), Dissipation::new(interactions));
         let (mut conservative, mut rows) = (BlockNumbers::default(), BlockRows::default());
         for block in contacts.blocks(false) {
             pairs.update::<L>(contacts, &block, points, region);
             contacts.by_kind::<L, _>(&block, &interactions.potentials, &pairs.distance, &mut conservative);
-            dissipation.update::<L, FACTORED>(contacts, &block, interactions, &pairs, velocity);
-            dissipation.draw::<L, FACTORED>(&block, interactions, &pairs, noise);
+            dissipation.update::<L>(contacts, &block, interactions, &pairs, velocity);
+            dissipation.draw::<L>(&block, interactions, &pairs, noise);
             for s in 0..block.streams {
                 let (strength, random) = (L::load(&dissipation.strength[s]), L::load(&dissipation.random[s]));
                 let undamped = L::load(&conservative[s]) + random;

@@ -5,7 +5,6 @@ use super::dissipation::{Dissipation, PairNoise};
 use super::separations::Separations;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
-use crate::friction::Dependence;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row};
 use crate::neighbors::NeighborList;
@@ -109,36 +108,30 @@ impl Kernel for BrickStress<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> PairStress {
-        let linear = self.interactions.friction_dependence() == Dependence::Distance;
         match (self.velocity, self.noise) {
-            (None, _) => self.sums::<L, false, false, false>(&[]),
-            (Some(velocity), None) if linear => self.sums::<L, true, false, false>(velocity),
-            (Some(velocity), Some(_)) if linear => self.sums::<L, true, true, false>(velocity),
-            (Some(velocity), None) => self.sums::<L, true, false, true>(velocity),
-            (Some(velocity), Some(_)) => self.sums::<L, true, true, true>(velocity),
+            (None, _) => self.sums::<L, false, false>(&[]),
+            (Some(velocity), None) => self.sums::<L, true, false>(velocity),
+            (Some(velocity), Some(_)) => self.sums::<L, true, true>(velocity),
         }
     }
 }
 
 impl BrickStress<'_> {
-    /// The sums, with or without the parts that need velocities or noise, of frictions that depend on velocities or don't.
+    /// The sums, with or without the parts that need velocities or noise.
     #[inline(always)]
-    fn sums<L: Lanes, const MOVING: bool, const RANDOM: bool, const FACTORED: bool>(
-        &self,
-        velocity: &[Row],
-    ) -> PairStress {
+    fn sums<L: Lanes, const MOVING: bool, const RANDOM: bool>(&self, velocity: &[Row]) -> PairStress {
         let Self { contacts, interactions, points, region, temperature, noise, .. } = self;
-        let (mut pairs, mut dissipation) = (Separations::default(), Dissipation::default());
+        let (mut pairs, mut dissipation) = (Separations::default(), Dissipation::new(interactions));
         let (mut force, mut conservative) = (BlockNumbers::default(), TensorLanes::<L>::zero());
         let (mut dissipative, mut random, mut friction) = (conservative, conservative, conservative);
         for block in contacts.blocks(false) {
             pairs.update::<L>(contacts, &block, points, region);
             contacts.by_kind::<L, _>(&block, &interactions.potentials, &pairs.distance, &mut force);
             if MOVING {
-                dissipation.update::<L, FACTORED>(contacts, &block, interactions, &pairs, velocity);
+                dissipation.update::<L>(contacts, &block, interactions, &pairs, velocity);
             }
             if let (true, Some(noise)) = (RANDOM, noise) {
-                dissipation.draw::<L, FACTORED>(&block, interactions, &pairs, noise);
+                dissipation.draw::<L>(&block, interactions, &pairs, noise);
             }
             for s in 0..block.streams {
                 // What stands behind the last contact of a stream belongs to another.
@@ -149,19 +142,12 @@ impl BrickStress<'_> {
                 if MOVING {
                     dissipation.forget_beyond(s, block.depth);
                     let arm = r * L::load(&dissipation.strength[s]);
-                    let mut expected = -(arm * dissipation.radial(s));
-                    if FACTORED {
-                        let correction = dissipation.correction::<L>(interactions, *temperature, s);
-                        expected = r.mul_add(correction, expected);
-                        if RANDOM {
-                            random.add_scaled(-(r * correction), &direction);
-                        }
-                    }
-                    dissipative.add_scaled(expected, &direction);
+                    let correction = dissipation.correction::<L>(interactions, *temperature, s);
+                    dissipative.add_scaled(r.mul_add(correction, -(arm * dissipation.radial(s))), &direction);
                     let [xx, yy, zz, ..] = direction.0;
                     friction.add_scaled(arm * r, &TensorLanes::square([xx, yy, zz]));
                     if RANDOM {
-                        random.add_scaled(r * L::load(&dissipation.random[s]), &direction);
+                        random.add_scaled(r * (L::load(&dissipation.random[s]) - correction), &direction);
                     }
                 }
             }

@@ -14,7 +14,7 @@ use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, RowLanes, WIDTH, inner_product, scaled};
 use crate::neighbors::NeighborList;
 use crate::state::Particles;
-use std::ops::Add;
+use std::ops::{Add, Range};
 
 /// Updates every pair with friction in turn, p_i += μ Δ e, p_j −= the same, with Δ of [`PairStep`].
 ///
@@ -75,7 +75,7 @@ struct Updates {
     /// 1/m of each of the two particles.
     inverse_masses: [BlockNumbers; 2],
     met: Met,
-    /// The motions and factors of the row that is worked on.
+    /// The motions and factors of the rows that are worked on.
     motions: Motions,
     factors: Factors,
     /// ⟨Δ⟩.
@@ -84,25 +84,28 @@ struct Updates {
     change: BlockNumbers,
 }
 
-/// Which particles a row has met, by the last bits of their places.
+/// Rows that are worked on together.
+const ROWS: usize = 2;
+
+/// Which particles have been met together, by the last bits of their places.
 struct Met {
-    last_row: [u32; Self::SLOTS],
-    row: u32,
+    last_turn: [u32; Self::SLOTS],
+    turn: u32,
 }
 
 impl Met {
-    const SLOTS: usize = 2048;
+    const SLOTS: usize = 4096;
 
-    /// Whether two of the first so many pairs of a new row may share a particle; if not, none can matter to another.
+    /// Whether two of some pairs may share a particle; if not, none can matter to another.
     #[inline(always)]
-    fn may_share(&mut self, [first, second]: [&[u32; WIDTH]; 2], count: usize) -> bool {
-        self.row += 1;
+    fn may_share(&mut self, [first, second]: [&[u32]; 2]) -> bool {
+        self.turn += 1;
         let mut shared = false;
-        for k in 0..count.min(WIDTH) {
-            for place in [first[k], second[k]] {
-                let last = &mut self.last_row[place as usize % Self::SLOTS];
-                shared |= *last == self.row;
-                *last = self.row;
+        for (&i, &j) in first.iter().zip(second) {
+            for place in [i, j] {
+                let last = &mut self.last_turn[place as usize % Self::SLOTS];
+                shared |= *last == self.turn;
+                *last = self.turn;
             }
         }
         shared
@@ -111,14 +114,14 @@ impl Met {
 
 impl Default for Met {
     fn default() -> Self {
-        Self { last_row: [0; Self::SLOTS], row: 0 }
+        Self { last_turn: [0; Self::SLOTS], turn: 0 }
     }
 }
 
-/// Where, from one pair of a row on, the first stands that shares a particle with one before it.
-fn first_to_wait([first, second]: [&[u32; WIDTH]; 2], start: usize, count: usize) -> usize {
+/// How many of some pairs, from the first on, share no particle.
+fn without_sharing([first, second]: [&[u32]; 2]) -> usize {
     let joined = |a: usize, b: usize| [first[a], second[a]].iter().any(|place| [first[b], second[b]].contains(place));
-    (start + 1..count).find(|&a| (start..a).any(|b| joined(a, b))).unwrap_or(count)
+    (1..first.len()).find(|&a| (0..a).any(|b| joined(a, b))).unwrap_or(first.len())
 }
 
 impl Kernel for BrickSweep<'_> {
@@ -131,13 +134,10 @@ impl Kernel for BrickSweep<'_> {
         let mut updates = Updates::default();
         let mut flux = L::splat(0.0);
         let (mut dissipative, mut random) = (TensorLanes::<L>::zero(), TensorLanes::<L>::zero());
-        for block in contacts.blocks(sweep.backward) {
-            let count = updates.contacts.take_in_order(contacts, &block, sweep.backward);
-            let block = Contacts::rows(count);
+        for from in (0..contacts.count()).step_by(WIDTH * WIDTH) {
+            let (count, block) = updates.contacts.take_rows(contacts, from, sweep.backward);
             self.prepare::<L>(&block, &mut updates);
-            for row in 0..block.streams {
-                self.update::<L>(row, WIDTH.min(count - row * WIDTH), &mut updates);
-            }
+            self.update::<L>(count, &mut updates);
             if sweep.response.is_some() || sweep.book_stress {
                 for row in 0..block.streams {
                     let here = WIDTH.min(count - row * WIDTH);
@@ -201,100 +201,117 @@ impl BrickSweep<'_> {
         }
     }
 
-    /// Updates the first so many pairs of a row, all at once where no two share a particle.
+    /// Updates the first so many pairs of a block, two rows or one at once where no two pairs share a particle.
     #[inline(always)]
-    fn update<L: Lanes>(&self, row: usize, count: usize, updates: &mut Updates) {
-        let [first, second] = updates.contacts.places(row * WIDTH);
-        let places = [*first, *second];
-        let places = [&places[0], &places[1]];
-        let mut start = 0;
-        let mut end = if updates.met.may_share(places, count) { first_to_wait(places, 0, count) } else { count };
-        loop {
-            let [change, expected] = self.changes::<L>(row, places, updates);
-            if start == 0 {
-                change.store(&mut updates.change[row]);
-                expected.store(&mut updates.expected[row]);
-            } else {
-                let mut numbers = [0.0; WIDTH];
-                change.store(&mut numbers);
-                updates.change[row][start..end].copy_from_slice(&numbers[start..end]);
-                expected.store(&mut numbers);
-                updates.expected[row][start..end].copy_from_slice(&numbers[start..end]);
+    fn update<L: Lanes>(&self, count: usize, updates: &mut Updates) {
+        let mut from = 0;
+        while from < count {
+            let all = (from + ROWS * WIDTH).min(count);
+            if all > from + WIDTH && !updates.met.may_share(updates.contacts.pairs(from..all)) {
+                self.change::<L>(from / WIDTH, ROWS, 0..all - from, updates);
+                from = all;
+                continue;
             }
-            self.apply::<L>(row, places, start, end, change, updates);
-            if end == count {
-                return;
+            let row_end = (from + WIDTH).min(count);
+            let (row, start) = (from / WIDTH, from);
+            while from < row_end {
+                let together = without_sharing(updates.contacts.pairs(from..row_end));
+                self.change::<L>(row, 1, from - start..from - start + together, updates);
+                from += together;
             }
-            start = end;
-            end = first_to_wait(places, start, count);
         }
     }
 
-    /// Δ and ⟨Δ⟩ of a row's pairs with the present velocities.
+    /// Gives some pairs of one or two rows their new velocities, by those of the moment.
+    ///
+    /// Each stage is done for both rows before the next, so that the processor works on two chains at a time.
     #[inline(always)]
-    fn changes<L: Lanes>(&self, row: usize, [first, second]: [&[u32; WIDTH]; 2], updates: &mut Updates) -> [L; 2] {
+    fn change<L: Lanes>(&self, row: usize, rows: usize, chosen: Range<usize>, updates: &mut Updates) {
         let frictions = &self.interactions.frictions;
-        // SAFETY: the places were checked, and inside a sweep no other thread uses them.
-        let (v_i, v_j) = unsafe { (self.velocity.load::<L>(first), self.velocity.load::<L>(second)) };
-        let v = [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]];
-        let (u, zero) = (inner_product(updates.pairs.direction(row), v), L::splat(0.0));
-        let squared = (-u).mul_add(u, inner_product(v, v));
-        updates.motions.distance[0] = updates.pairs.distance[row];
-        L::select(zero.below(squared), squared, zero).store(&mut updates.motions.transverse_squared[0]);
-        let (kinds, normal) = (updates.kinds.row(row), L::load(&updates.normals[row]));
-        let inverse_reduced_mass = self.inverse_reduced_mass::<L>(&updates.inverse_masses, row);
-        let (temperature, time) = (self.sweep.temperature, self.sweep.time);
-        let mut there = PairStep { decay: zero, spread: zero, skew: zero };
+        let (temperature, time, zero) = (self.sweep.temperature, self.sweep.time, L::splat(0.0));
+        let rows = rows.min(ROWS);
+        let [first, second] = updates.contacts.row_places(row);
+        let (mut u, mut inverse_reduced_mass) = ([zero; ROWS], [zero; ROWS]);
+        for n in 0..rows {
+            // SAFETY: the places were checked, and inside a sweep no other thread uses them.
+            let (v_i, v_j) = unsafe { (self.velocity.load::<L>(&first[n]), self.velocity.load::<L>(&second[n])) };
+            let v = [v_i[0] - v_j[0], v_i[1] - v_j[1], v_i[2] - v_j[2]];
+            u[n] = inner_product(updates.pairs.direction(row + n), v);
+            let squared = (-u[n]).mul_add(u[n], inner_product(v, v));
+            L::select(zero.below(squared), squared, zero).store(&mut updates.motions.transverse_squared[n]);
+            updates.motions.distance[n] = updates.pairs.distance[row + n];
+            inverse_reduced_mass[n] = self.inverse_reduced_mass(&updates.inverse_masses, row + n);
+        }
+        let kinds = updates.kinds.rows(row);
+        let mut there = [PairStep { decay: zero, spread: zero, skew: zero }; ROWS];
         let mut here = there;
         // Once for the friction at u and, where a step has to be tested, once for that at u + Δ.
         for end in 0..=usize::from(self.radial) {
             here = there;
-            let radial = if end == 0 { u } else { u + here.change(u, normal) };
-            radial.store(&mut updates.motions.radial[0]);
-            fill_factors::<L>(frictions, &kinds, 1, &updates.motions, &mut updates.factors);
-            let [strength, slope] = friction(L::load(&updates.amplitude[row]), updates.factors.row(0));
-            there = PairStep::new(strength, slope, inverse_reduced_mass, temperature, time);
+            for n in 0..rows {
+                let normal = L::load(&updates.normals[row + n]);
+                let radial = if end == 0 { u[n] } else { u[n] + here[n].change(u[n], normal) };
+                radial.store(&mut updates.motions.radial[n]);
+            }
+            fill_factors::<L>(frictions, &kinds, rows, &updates.motions, &mut updates.factors);
+            for n in 0..rows {
+                let [strength, slope] = friction(L::load(&updates.amplitude[row + n]), updates.factors.row(n));
+                there[n] = PairStep::new(strength, slope, inverse_reduced_mass[n], temperature, time);
+            }
         }
-        if !self.radial {
-            return [there.change(u, normal), there.expected(u)];
+        let mut gain = [[Row::default(); WIDTH]; ROWS];
+        let mut loss = gain;
+        for n in 0..rows {
+            let normal = L::load(&updates.normals[row + n]);
+            let (change, expected) = if self.radial {
+                let variance = L::splat(temperature) * inverse_reduced_mass[n];
+                let uniform = L::load(&updates.uniforms[row + n]);
+                (here[n].accepted(&there[n], u[n], normal, uniform, variance), here[n].expected(u[n]))
+            } else {
+                (there[n].change(u[n], normal), there[n].expected(u[n]))
+            };
+            let e = updates.pairs.direction(row + n);
+            if self.equal {
+                L::rows(scaled(change * L::splat(0.5), e), &mut gain[n]);
+            } else {
+                let reduced_mass = change / inverse_reduced_mass[n];
+                let w_i = L::load(&updates.inverse_masses[0][row + n]);
+                let w_j = L::load(&updates.inverse_masses[1][row + n]);
+                L::rows(scaled(reduced_mass * w_i, e), &mut gain[n]);
+                L::rows(scaled(reduced_mass * w_j, e), &mut loss[n]);
+            }
+            updates.keep(row + n, change, expected, n * WIDTH, &chosen);
         }
-        let variance = L::splat(temperature) * inverse_reduced_mass;
-        let uniform = L::load(&updates.uniforms[row]);
-        [here.accepted(&there, u, normal, uniform, variance), here.expected(u)]
-    }
-
-    /// Gives the pairs from `start` to `end` of a row their new velocities.
-    #[inline(always)]
-    fn apply<L: Lanes>(
-        &self,
-        row: usize,
-        [first, second]: [&[u32; WIDTH]; 2],
-        start: usize,
-        end: usize,
-        change: L,
-        updates: &Updates,
-    ) {
-        let e = updates.pairs.direction(row);
-        let (share_i, share_j) = if self.equal {
-            (L::splat(0.5), L::splat(0.5))
-        } else {
-            let (w_i, w_j) = (L::load(&updates.inverse_masses[0][row]), L::load(&updates.inverse_masses[1][row]));
-            (w_i / (w_i + w_j), w_j / (w_i + w_j))
-        };
-        let (mut gain, mut loss) = ([Row::default(); WIDTH], [Row::default(); WIDTH]);
-        L::rows(scaled(change * share_i, e), &mut gain);
-        if !self.equal {
-            L::rows(scaled(change * share_j, e), &mut loss);
-        }
-        for k in start..end {
+        for k in chosen {
+            let (n, lane) = (k / WIDTH % ROWS, k % WIDTH);
             // SAFETY: the places were checked, and inside a sweep no other thread uses them.
             unsafe {
-                let [v_i, v_j] = self.velocity.pair([first[k], second[k]]);
-                let gain = L::Row::load(&raw const gain[k]);
-                let loss = if self.equal { gain } else { L::Row::load(&raw const loss[k]) };
+                let [v_i, v_j] = self.velocity.pair([first[n][lane], second[n][lane]]);
+                let gain = L::Row::load(&raw const gain[n][lane]);
+                let loss = if self.equal { gain } else { L::Row::load(&raw const loss[n][lane]) };
                 L::Row::load(v_i).add(gain).store(v_i);
                 L::Row::load(v_j).subtract(loss).store(v_j);
             }
+        }
+    }
+}
+
+impl Updates {
+    /// Keeps Δ and ⟨Δ⟩ of those pairs of a row that were chosen, `from` being the number of the row's first.
+    #[inline(always)]
+    fn keep<L: Lanes>(&mut self, row: usize, change: L, expected: L, from: usize, chosen: &Range<usize>) {
+        if chosen.start <= from {
+            // What stands behind the chosen is written again with theirs.
+            change.store(&mut self.change[row]);
+            expected.store(&mut self.expected[row]);
+            return;
+        }
+        let mut numbers = [[0.0; WIDTH]; 2];
+        change.store(&mut numbers[0]);
+        expected.store(&mut numbers[1]);
+        for lane in chosen.start - from..(chosen.end - from).min(WIDTH) {
+            self.change[row][lane] = numbers[0][lane];
+            self.expected[row][lane] = numbers[1][lane];
         }
     }
 }
