@@ -66,7 +66,7 @@ fn quantile(table: &[(f64, f64)], share: f64) -> f64 {
 /// The p-value of Boltzmann's density over 20 equally likely bins, after a time long enough to come from one well to the other, the copies
 /// having begun with it.
 fn p_value(dynamics: &ScalarLangevin<DoubleWell>, noise: NoiseKey) -> f64 {
-    let (copies, bins, time) = (10_000, 20, 4.0);
+    let (copies, bins, time) = (10_000, 20, 3.0);
     let start = noise.draw(Purpose::Start, 0, 0);
     let table = distribution();
     let mut x: Vec<f64> = (0..copies).map(|k| quantile(&table, start.uniform(k, 0))).collect();
@@ -151,11 +151,11 @@ impl Transitions {
     }
 }
 
-/// ⟨x²⟩ after a time many relaxation times long, begun with Boltzmann's density, less Boltzmann's ⟨x²⟩.
+/// ⟨x²⟩ after a time of some relaxation times, begun with Boltzmann's density, less Boltzmann's ⟨x²⟩.
 fn error_of_the_second_moment(correction: Correction, corrected: bool, time_step: f64) -> f64 {
     let transitions = Transitions::of(&dynamics(correction, corrected, time_step));
     let square: Vec<f64> = (0..Transitions::POINTS).map(|k| Transitions::place(k).powi(2)).collect();
-    let steps = (16.0 / time_step).round() as usize;
+    let steps = (10.0 / time_step).round() as usize;
     let after = (0..steps).fold(square.clone(), |values, _| transitions.apply(&values));
     let mean = |values: &[f64]| {
         let weights = (0..Transitions::POINTS).map(|k| boltzmann(Transitions::place(k)));
