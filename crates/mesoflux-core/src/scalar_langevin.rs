@@ -156,6 +156,7 @@ mod tests {
     use super::*;
 
     /// F = 2x, α = 1 + x².
+    #[derive(Debug)]
     struct Slope;
 
     impl Variable for Slope {
@@ -203,6 +204,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused_with_its_value() {
+        #[derive(Debug)]
         struct Negative;
         impl Variable for Negative {
             fn force(&self, _: f64) -> f64 {
