@@ -39,9 +39,9 @@ impl Variable for DoubleWell {
 
 const TEMPERATURE: f64 = 1.0;
 const TIME_STEP: f64 = 0.002;
-/// Some eight times what it takes to come from one well to the other.
-const TIME: f64 = 24.0;
-const COPIES: usize = 10_000;
+/// Some four times what it takes to come from one well to the other.
+const TIME: f64 = 12.0;
+const COPIES: usize = 5_000;
 const BINS: usize = 24;
 /// Half the range of the bins.
 const REACH: f64 = 2.4;
