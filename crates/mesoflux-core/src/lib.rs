@@ -22,6 +22,7 @@ pub mod observable;
 pub mod pair;
 pub mod potential;
 pub mod run;
+pub mod scalar_langevin;
 pub mod simulation;
 pub mod snapshot;
 pub mod start;
