@@ -128,9 +128,9 @@ impl Transitions {
         let steps = (0..Grid::POINTS).map(|k| {
             let x = Grid::place(k);
             let mut stay = 1.0;
-            let mut steps: Vec<(f64, f64)> = (0..=normals)
+            let mut steps: Vec<(f64, f64)> = (0..normals)
                 .map(|n| {
-                    let normal = f64::from(n) * spacing - 6.0;
+                    let normal = (f64::from(n) + 0.5) * spacing - 6.0;
                     let density = spacing * (-0.5 * normal * normal).exp() / std::f64::consts::TAU.sqrt();
                     let weight = density * pair.acceptance(x, normal);
                     stay -= weight;
@@ -262,7 +262,7 @@ fn the_dynamics_converges_at_first_order_or_better() {
 
 /// χ² of u after so many explicit steps of many pairs, each with its own noise; `update` gives the impulse of the noise.
 fn p_value_of_explicit_pairs(law: &Friction, impulse: impl Fn(f64, f64, f64, f64) -> f64) -> f64 {
-    let (pairs, steps, time_step, distance) = (60_000u64, 400, 2e-3, 0.3);
+    let (pairs, steps, time_step, distance) = (30_000u64, 250, 2e-3, 0.3);
     let noise = NoiseKey::new(&[7]);
     let (bins, width) = (24, Pair::width());
     let mut observed = vec![0.0; bins];
