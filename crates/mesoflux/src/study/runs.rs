@@ -29,7 +29,10 @@ impl Row<'_> {
         column.or_else(|| {
             let mut keys = name.split('.');
             let first = self.input.get(keys.next()?)?;
-            let value = keys.try_fold(first, |table, key| table.get(key))?;
+            let value = keys.try_fold(first, |value, key| match value.as_array() {
+                Some(numbers) => numbers.get(key.parse::<usize>().ok()?),
+                None => value.get(key),
+            })?;
             let number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
             Some(Cell { value: Some(number), error: Some(0.0) })
         })
