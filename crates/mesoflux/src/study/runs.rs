@@ -93,9 +93,11 @@ fn estimate<'a>(record: &Value, input: &'a toml::Table) -> Row<'a> {
     let conditions = record["conditions"].as_object().into_iter().flatten();
     let error = |name: &str| record["conditions"][format!("{name}_standard_error")].as_f64().unwrap_or(0.0);
     let mut cells = vec![("value".to_owned(), value)];
-    cells.extend(conditions.filter(|(_, value)| value.is_number()).map(|(name, value)| {
-        (name.clone(), Cell { value: value.as_f64(), error: Some(error(name)) })
-    }));
+    cells.extend(
+        conditions
+            .filter(|(_, value)| value.is_number())
+            .map(|(name, value)| (name.clone(), Cell { value: value.as_f64(), error: Some(error(name)) })),
+    );
     let warnings = record["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
     let warnings: Vec<&str> = warnings.collect();
     Row { cells, input, warning: warnings.join("; ") }
