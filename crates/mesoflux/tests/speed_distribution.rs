@@ -81,12 +81,10 @@ fn masses_have_distributions_of_their_own() {
         assert_eq!(condition(record, &format!("samples_{name}")), 8.0 * 4000.0);
     }
     let (header, rows) = table(&folder, "speeds-speed_histogram.csv");
-    assert_eq!(
-        (header[1].as_str(), header[4].as_str(), header[6].as_str()),
-        ("density_light [1/v]", "density_heavy [1/v]", "maxwell_heavy [1/v]")
-    );
+    let columns = [1, 3, 4, 6].map(|column| header[column].as_str());
+    assert_eq!(columns, ["density_heavy [1/v]", "maxwell_heavy [1/v]", "density_light [1/v]", "maxwell_light [1/v]"]);
     let fastest = |column: usize| rows.iter().max_by(|a, b| a[column].total_cmp(&b[column])).unwrap()[0];
-    assert!((fastest(3) / fastest(6) - 2.0).abs() < 0.3, "{} and {}", fastest(3), fastest(6));
+    assert!((fastest(6) / fastest(3) - 2.0).abs() < 0.3, "{} and {}", fastest(3), fastest(6));
 }
 
 #[test]
