@@ -35,7 +35,26 @@ pub fn chi_squared_survival(statistic: f64, degrees_of_freedom: f64) -> Result<f
         .map_err(|_| AnalysisError::Underdetermined("the chi-squared distribution could not be evaluated"))
 }
 
-/// Pearson's test: the chance of counts at least as far from the expected ones as those observed.
+/// What Pearson's test finds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChiSquared {
+    /// χ².
+    pub statistic: f64,
+    /// Bins after merging, less the constraints.
+    pub degrees_of_freedom: usize,
+    /// The chance of a χ² at least as large.
+    pub p_value: f64,
+}
+
+/// The chance of counts at least as far from the expected ones as those observed, by [`chi_squared_test`].
+///
+/// # Errors
+/// Those of the test.
+pub fn chi_squared_p_value(observed: &[f64], expected: &[f64], constraints: usize) -> Result<f64, AnalysisError> {
+    Ok(chi_squared_test(observed, expected, constraints)?.p_value)
+}
+
+/// Pearson's test of counts against the expected ones.
 ///
 /// χ² = Σ (observed − expected)²/expected over bins, with as many degrees of freedom as bins less `constraints`
 /// (1 if the expected counts were scaled to the observed total, one more for each fitted parameter). Neighboring bins are merged
@@ -43,7 +62,7 @@ pub fn chi_squared_survival(statistic: f64, degrees_of_freedom: f64) -> Result<f
 ///
 /// # Errors
 /// If the lengths differ, a count is negative or not finite, nothing is expected, or no degree of freedom is left.
-pub fn chi_squared_p_value(observed: &[f64], expected: &[f64], constraints: usize) -> Result<f64, AnalysisError> {
+pub fn chi_squared_test(observed: &[f64], expected: &[f64], constraints: usize) -> Result<ChiSquared, AnalysisError> {
     require_length("expected counts", expected.len(), observed.len())?;
     for (name, counts) in [("observed counts", observed), ("expected counts", expected)] {
         require_finite(name, counts)?;
@@ -56,7 +75,9 @@ pub fn chi_squared_p_value(observed: &[f64], expected: &[f64], constraints: usiz
         return Err(AnalysisError::Underdetermined("no degree of freedom is left after merging sparse bins"));
     }
     let statistic = bins.iter().map(|(observed, expected)| (observed - expected).powi(2) / expected).sum();
-    chi_squared_survival(statistic, (bins.len() - constraints) as f64)
+    let degrees_of_freedom = bins.len() - constraints;
+    let p_value = chi_squared_survival(statistic, degrees_of_freedom as f64)?;
+    Ok(ChiSquared { statistic, degrees_of_freedom, p_value })
 }
 
 /// Pairs of observed and expected counts with at least [`FEWEST_EXPECTED`] expected in each, if in all together.

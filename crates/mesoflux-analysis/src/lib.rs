@@ -56,8 +56,8 @@ pub use correlation::{
 };
 pub use diffusion::DiffusionEstimate;
 pub use distribution::{
-    StandardNormalSummary, chi_squared_p_value, chi_squared_survival, kolmogorov_smirnov_p_value, maxwell_speed_cdf,
-    normal_cdf, standard_normal_summary,
+    ChiSquared, StandardNormalSummary, chi_squared_p_value, chi_squared_survival, chi_squared_test,
+    kolmogorov_smirnov_p_value, maxwell_speed_cdf, normal_cdf, standard_normal_summary,
 };
 pub use error::AnalysisError;
 pub use estimate::Estimate;

@@ -24,6 +24,8 @@ scaled.product = { of = "mobility", factor = 2.0, power = 1.0 }
 over.ratio = { numerator = "scaled", denominator = "mobility" }
 flux.table = { input = "fluid", of = "mobility-nemd.csv", x = "pair.all.friction.linear.coefficient", y = "flux", where = { magnitude = 8.0 } }
 quotient.table = { input = "fluid", of = "mobility-nemd.csv", x = "magnitude", y = "flux", times = { magnitude = -1.0 }, where.pair.all.friction.linear.coefficient = 9.0 }
+work.table = { input = "fluid", of = "mobility-nemd.csv", x = "flux", x_times = { magnitude = 2.0 }, y = "magnitude", where = { magnitude = 8.0 } }
+printed.published = { x = [9.0, 4.5], y = [0.1, 0.2], y_error = [0.01, 0.02] }
 
 [item.figure-1.panel.only]
 x = { label = "friction", logarithmic = true }
@@ -205,6 +207,15 @@ fn series_are_what_the_runs_say() {
     assert_eq!((quotient[0][0], quotient[1][0]), (4.0, 8.0));
     close(quotient[1][2], flux[1][2] / 8.0);
     close(quotient[1][3], flux[1][3] / 8.0);
+    // x is a product, too, with the error of its factor.
+    let (_, work) = table(&folder, "figure-1/work.csv");
+    for row in &work {
+        let flux = flux.iter().find(|flux| (64.0 * flux[2] / row[0] - 1.0).abs() < 1e-9).unwrap();
+        close(row[1], 64.0 * flux[3]);
+        assert_eq!((row[2], row[3]), (8.0, 0.0));
+    }
+    let (_, printed) = table(&folder, "figure-1/printed.csv");
+    assert_eq!(printed, [[4.5, 0.0, 0.2, 0.02], [9.0, 0.0, 0.1, 0.01]]);
     let (_, temperature) = table(&folder, "table-1/temperature.csv");
     assert_eq!(temperature.iter().map(|row| row[0]).collect::<Vec<_>>(), [1.0, 1.0, 2.0]);
 }

@@ -9,6 +9,7 @@ mod molecules;
 mod momentum_exchange;
 mod route_parameters;
 mod routes;
+mod speed_distribution;
 mod start;
 mod structure;
 mod sweep;
@@ -26,6 +27,7 @@ pub use route_parameters::{
     CorrelationInput, CountingInput, DrivenRecordings, MeanSquaredDisplacementInput, NemdInput, NortonInput, Plain,
     ProfileInput, RoutesInput, TransverseCurrentInput,
 };
+pub use speed_distribution::SpeedHistogramInput;
 pub use start::{FileStart, Files, Loaded, MomentaStart, StartInput};
 pub use structure::{DerivativeInput, DistributionInput, FluctuationInput};
 pub use sweep::{Point, Sweep};
@@ -336,6 +338,8 @@ pub enum Quantity {
     AsymptoticVariance,
     /// The probability density of an observable.
     ProbabilityDensity,
+    /// The probability density of the particles' speeds, against Maxwell's; its number is the kT that the momenta have.
+    SpeedDistribution,
 }
 
 /// Observables whose fluctuations can be measured.

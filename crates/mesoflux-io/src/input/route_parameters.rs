@@ -2,6 +2,7 @@
 
 use super::choice::Magnitudes;
 use super::momentum_exchange::MomentumExchangeInput;
+use super::speed_distribution::SpeedHistogramInput;
 use super::structure::{DerivativeInput, DistributionInput, FluctuationInput};
 use mesoflux_core::driving::Projection;
 use serde::{Deserialize, Serialize};
@@ -61,6 +62,9 @@ pub struct RoutesInput {
     /// By counting pairs in bins of distance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histogram: Option<DistributionInput>,
+    /// By counting speeds in bins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_histogram: Option<SpeedHistogramInput>,
     /// From the radial distribution function.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radial_distribution: Option<Plain>,

@@ -1,6 +1,9 @@
 //! Which routes lead to which quantity.
 
-use super::{CorrelationInput, DistributionInput, MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput};
+use super::{
+    CorrelationInput, DistributionInput, MeanSquaredDisplacementInput, Plain, Quantity, RoutesInput,
+    SpeedHistogramInput,
+};
 
 impl Quantity {
     /// The quantity's name in input and results.
@@ -21,6 +24,7 @@ impl Quantity {
             Self::CorrelationTime => "correlation_time",
             Self::AsymptoticVariance => "asymptotic_variance",
             Self::ProbabilityDensity => "probability_density",
+            Self::SpeedDistribution => "speed_distribution",
         }
     }
 
@@ -32,6 +36,7 @@ impl Quantity {
             Self::Pressure => &["virial", "radial_distribution"],
             Self::PotentialEnergy => &["direct"],
             Self::ProbabilityDensity => &["counting"],
+            Self::SpeedDistribution => &["speed_histogram"],
             Self::DiffusionCoefficient => &["msd", "vacf"],
             Self::Mobility => &["msd", "nemd", "norton"],
             Self::TransportCoefficient => &["nemd", "norton"],
@@ -81,6 +86,7 @@ impl Quantity {
                 Self::PotentialEnergy => routes.direct = Some(Plain {}),
                 Self::DiffusionCoefficient => routes.msd = Some(MeanSquaredDisplacementInput::default()),
                 Self::RadialDistribution => routes.histogram = Some(DistributionInput::default()),
+                Self::SpeedDistribution => routes.speed_histogram = Some(SpeedHistogramInput::default()),
                 Self::BulkViscosity => routes.green_kubo = Some(CorrelationInput::default()),
                 Self::CorrelationTime | Self::AsymptoticVariance => {
                     routes.correlation = Some(CorrelationInput::default());
@@ -124,6 +130,7 @@ impl RoutesInput {
             ("norton", self.norton.is_some()),
             ("momentum_exchange", self.momentum_exchange.is_some()),
             ("histogram", self.histogram.is_some()),
+            ("speed_histogram", self.speed_histogram.is_some()),
             ("radial_distribution", self.radial_distribution.is_some()),
             ("derivative", self.derivative.is_some()),
             ("fluctuation", self.fluctuation.is_some()),
@@ -160,6 +167,8 @@ impl RoutesInput {
         let currents = self.transverse_current.and_then(|given| given.sample_interval);
         let correlations = self.correlations().into_iter();
         let given = correlations.filter_map(|(route, given)| Some((route, given?.sample_interval?)));
+        let speeds = self.speed_histogram.and_then(|given| given.sample_interval);
+        let given = given.chain(speeds.map(|interval| ("speed_histogram", interval)));
         given.chain(currents.map(|interval| ("transverse_current", interval)))
     }
 }

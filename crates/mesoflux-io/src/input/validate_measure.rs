@@ -56,6 +56,7 @@ impl Input {
             check_pressure(&laws).map_err(refused)?;
         }
         self.validate_structure(path, measure, &routes)?;
+        self.validate_speeds(path, &routes)?;
         match (measure.quantity.needs_observable(), measure.observable) {
             (true, None) => {
                 let requirement = "observable is missing: say of what, e.g. observable = \"pressure\"";

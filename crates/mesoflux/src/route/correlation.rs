@@ -2,6 +2,7 @@
 
 use super::{Record, RouteError, RouteRecorder};
 use mesoflux_analysis::{AnalysisError, Blocking, Integral, MultipleTau};
+use mesoflux_core::friction::Friction;
 use mesoflux_core::integrate::{Langevin, Thermostat};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::Input;
@@ -142,6 +143,17 @@ pub(super) fn integral_conditions(function: &MultipleTau, integral: &Integral) -
     conditions
 }
 
+/// ∫Γ(r) r² dr of a friction at rest.
+pub(super) fn friction_integral(law: &Friction) -> f64 {
+    const POINTS: u32 = 200;
+    let width = law.cutoff() / f64::from(POINTS);
+    let part = |k| {
+        let r = (f64::from(k) + 0.5) * width;
+        law.at_rest(r) * r * r * width
+    };
+    (0..POINTS).map(part).sum()
+}
+
 /// Samples within the time in which the fastest of the correlations changes.
 const SAMPLES: f64 = 4.0;
 
@@ -158,23 +170,13 @@ pub(super) fn interval(input: &Input, given: Option<u64>) -> u64 {
     let volume = input.region().map_or(f64::INFINITY, |region| region.volume());
     let density = input.particles() as f64 / volume;
     let frictions = interactions.frictions.entries().iter().flatten();
-    let rate = |law: &mesoflux_core::friction::Friction| {
-        const POINTS: u32 = 200;
-        let width = law.cutoff() / f64::from(POINTS);
-        let integral: f64 = (0..POINTS)
-            .map(|k| {
-                let r = (f64::from(k) + 0.5) * width;
-                law.at_rest(r) * r * r * width
-            })
-            .sum();
-        2.0 * 4.0 * PI * density / (3.0 * mass) * integral
-    };
+    let rate = |law: &Friction| 2.0 * 4.0 * PI * density / (3.0 * mass) * friction_integral(law);
     let drag = match input.dynamics.thermostat {
         Thermostat::Langevin(Langevin { friction }) => friction / mass,
         Thermostat::PairOrnsteinUhlenbeck | Thermostat::None => 0.0,
     };
     let fastest = frictions.clone().map(rate).fold(drag, f64::max);
-    let cutoffs = frictions.map(mesoflux_core::friction::Friction::cutoff);
+    let cutoffs = frictions.map(Friction::cutoff);
     let cutoffs = cutoffs
         .chain(interactions.potentials.entries().iter().flatten().map(mesoflux_core::potential::Potential::cutoff));
     let flight = 0.1 * cutoffs.fold(f64::INFINITY, f64::min) * (mass / input.dynamics.temperature).sqrt();

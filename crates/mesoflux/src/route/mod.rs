@@ -16,6 +16,7 @@ mod profile;
 mod radial_distribution;
 mod record;
 mod relaxation;
+mod speed_distribution;
 mod transverse_current;
 mod velocity_autocorrelation;
 
@@ -23,6 +24,7 @@ pub use correlation::Correlations;
 pub use driven::DrivenRecord;
 pub use momentum_exchange::ExchangeRecord;
 pub use record::Record;
+pub use speed_distribution::SpeedRecord;
 
 use crate::figure::Figure;
 use compressibility::Wanted;
@@ -326,6 +328,9 @@ pub fn routes(measure: &MeasureInput) -> Vec<Box<dyn Route>> {
     }
     if let Some(parameters) = asked.histogram {
         routes.push(Box::new(radial_distribution::Histogram { parameters }));
+    }
+    if let Some(parameters) = asked.speed_histogram {
+        routes.push(Box::new(speed_distribution::SpeedHistogram { parameters }));
     }
     if asked.radial_distribution.is_some() {
         routes.push(Box::new(radial_distribution::PressureFromDistribution));

@@ -4,6 +4,7 @@ use super::RouteError;
 use super::correlation::Correlations;
 use super::driven::DrivenRecord;
 use super::momentum_exchange::ExchangeRecord;
+use super::speed_distribution::SpeedRecord;
 use mesoflux_analysis::{Blocking, Histogram, MeanSquaredDisplacement};
 
 /// The record of a run, or of several replicas merged.
@@ -23,6 +24,8 @@ pub enum Record {
     Driven(Box<DrivenRecord>),
     /// Of a run by momentum exchange.
     Exchange(Box<ExchangeRecord>),
+    /// Of the particles' speeds.
+    Speeds(Box<SpeedRecord>),
 }
 
 impl Record {
@@ -41,6 +44,7 @@ impl Record {
             (Self::Correlations(mine), Self::Correlations(theirs)) => mine.merge(theirs),
             (Self::Driven(mine), Self::Driven(theirs)) => mine.merge(theirs),
             (Self::Exchange(mine), Self::Exchange(theirs)) => mine.merge(theirs),
+            (Self::Speeds(mine), Self::Speeds(theirs)) => mine.merge(theirs),
             _ => Err(RouteError::WrongRecord),
         }
     }

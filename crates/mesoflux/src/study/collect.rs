@@ -3,9 +3,10 @@
 use super::StudyError;
 use super::claim::Data;
 use super::comparison::Comparison;
-use super::definition::{FromRuns, ItemInput, ProductInput, Range, RatioInput, SeriesInput, leaves};
+use super::definition::{FromRuns, ItemInput, ProductInput, PublishedInput, Range, RatioInput, SeriesInput, leaves};
 use super::runs::{FinishedRuns, Row};
 use super::series::{Missing, Point, Series};
+use super::table::Cell;
 use std::collections::BTreeMap;
 
 /// The finished runs of inputs, by the inputs' names.
@@ -24,6 +25,7 @@ pub fn series(item: &ItemInput, finished: &Finished) -> Result<Data, StudyError>
             SeriesInput::Table(wanted) => table(wanted, finished)?.map_err(wrong)?,
             SeriesInput::Ratio(RatioInput { numerator, denominator }) => ratio(&data, numerator, denominator),
             SeriesInput::Product(product) => product_of(&data, product),
+            SeriesInput::Published(published) => as_printed(published),
         };
         data.insert(name.clone(), found);
     }
@@ -74,34 +76,24 @@ impl<'a> Collected<'a> {
             }
         }
         self.rows += 1;
-        let (x, x_error) = match &self.wanted.x {
-            Some(name) => {
-                let cell = number(name)?;
-                (cell.value, cell.error)
+        let with_factors = |name: &str, times: &BTreeMap<String, f64>| -> Result<_, String> {
+            let mut factors = vec![(number(name)?, 1.0)];
+            for (name, &power) in times {
+                factors.push((number(name)?, power));
             }
-            None => (Some(self.rows as f64), Some(0.0)),
+            Ok(product(&factors))
         };
-        let mut factors = vec![(number(&self.wanted.y)?, 1.0)];
-        for (name, &power) in &self.wanted.times {
-            factors.push((number(name)?, power));
-        }
-        // s_y² = Σ (∂y/∂a s_a)², for y = factor Π a^power.
-        let values: Option<Vec<(f64, f64, f64)>> =
-            factors.iter().map(|(cell, power)| Some((cell.value?, cell.error?, *power))).collect();
-        let y = values.map(|values| {
-            let product = |skipped: Option<usize>| {
-                let raised = values.iter().enumerate().map(|(k, &(value, _, power))| {
-                    if skipped == Some(k) { power * value.powf(power - 1.0) } else { value.powf(power) }
-                });
-                self.wanted.factor * raised.product::<f64>()
-            };
-            let variance: f64 = (0..values.len()).map(|k| (product(Some(k)) * values[k].1).powi(2)).sum();
-            (product(None), variance.sqrt())
-        });
+        let x = match &self.wanted.x {
+            Some(name) => with_factors(name, &self.wanted.x_times)?,
+            None => Some((self.rows as f64, 0.0)),
+        };
+        let factor = self.wanted.factor;
+        let y = with_factors(&self.wanted.y, &self.wanted.times)?;
+        let y = y.map(|(y, y_error)| (factor * y, factor.abs() * y_error));
         // A row's number says nothing to a reader.
-        let place = x.filter(|_| self.wanted.x.is_some());
-        match (x, x_error, y) {
-            (Some(x), Some(x_error), Some((y, y_error))) if y.is_finite() && y_error.is_finite() => {
+        let place = x.map(|(x, _)| x).filter(|_| self.wanted.x.is_some());
+        match (x, y) {
+            (Some((x, x_error)), Some((y, y_error))) if y.is_finite() && y_error.is_finite() => {
                 self.series.points.push(Point { x, x_error, y, y_error });
                 if !row.warning.is_empty() {
                     let at = place.map_or_else(String::new, |x| format!(" at {x}"));
@@ -121,6 +113,20 @@ impl<'a> Collected<'a> {
         let Series { points, missing, warnings } = self.series;
         Series { warnings, ..Series::new(points, missing) }
     }
+}
+
+/// Π a^power with its error, s² = Σ (∂/∂a s_a)²; nothing where a number or its error is missing.
+fn product(factors: &[(Cell, f64)]) -> Option<(f64, f64)> {
+    let known = |(cell, power): &(Cell, f64)| Some((cell.value?, cell.error?, *power));
+    let factors: Vec<(f64, f64, f64)> = factors.iter().map(known).collect::<Option<_>>()?;
+    let derived_by = |own: Option<usize>| -> f64 {
+        let raised = factors.iter().enumerate().map(|(k, &(value, _, power))| {
+            if own == Some(k) { power * value.powf(power - 1.0) } else { value.powf(power) }
+        });
+        raised.product()
+    };
+    let variance: f64 = (0..factors.len()).map(|k| (derived_by(Some(k)) * factors[k].1).powi(2)).sum();
+    Some((derived_by(None), variance.sqrt()))
 }
 
 fn ratio(data: &Data, numerator: &str, denominator: &str) -> Series {
@@ -146,4 +152,11 @@ fn product_of(data: &Data, product: &ProductInput) -> Series {
         Point { y: p.y * scale, y_error: scale.abs() * p.y_error.hypot(through_x), ..*p }
     };
     Series { points: of.points.iter().map(scaled).collect(), ..of }
+}
+
+fn as_printed(published: &PublishedInput) -> Series {
+    let error = |k: usize| published.y_error.get(k).copied().unwrap_or(0.0);
+    let numbers = published.x.iter().zip(&published.y).enumerate();
+    let points = numbers.map(|(k, (&x, &y))| Point { x, x_error: 0.0, y, y_error: error(k) });
+    Series::new(points.collect(), Vec::new())
 }

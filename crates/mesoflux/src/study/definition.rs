@@ -52,12 +52,14 @@ pub enum SeriesInput {
     Ratio(RatioInput),
     /// A series times a constant and a power of x.
     Product(ProductInput),
+    /// Numbers that the publication gives.
+    Published(PublishedInput),
 }
 
 /// Numbers out of run directories, one point a row.
 ///
 /// A *name* is a column of the table (without its unit), or `value` for estimates; or one of an estimate's conditions; or else the path of a
-/// key in the input, such as `system.particles`, with its value at the sweep's point. The standard error of a column is the
+/// key in the input, such as `system.particles` or `system.box.0`, with its value at the sweep's point. The standard error of a column is the
 /// column `standard_error` right after it; one that has none is exact.
 #[derive(Debug, Clone, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,6 +70,9 @@ pub struct FromRuns {
     pub of: String,
     /// The name of x; the rows are numbered if it's left out.
     pub x: Option<String>,
+    /// x is multiplied by these names' values to these powers; all errors count as independent.
+    #[serde(default)]
+    pub x_times: BTreeMap<String, f64>,
     /// The name of y.
     #[serde(default = "value")]
     pub y: String,
@@ -112,6 +117,32 @@ pub struct ProductInput {
     /// The exponent of x.
     #[serde(default)]
     pub power: f64,
+}
+
+/// `published = { … }`: points as they are printed, to be drawn or compared with.
+#[derive(Debug, Clone, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedInput {
+    /// x of every point.
+    pub x: Vec<f64>,
+    /// y of every point.
+    pub y: Vec<f64>,
+    /// The standard errors of y; exact if left out.
+    #[serde(default)]
+    pub y_error: Vec<f64>,
+}
+
+impl PublishedInput {
+    /// What is wrong with it.
+    pub fn fault(&self) -> Option<&'static str> {
+        let count = self.x.len();
+        if self.y.len() != count || !(self.y_error.is_empty() || self.y_error.len() == count) {
+            return Some("x, y and y_error must have as many numbers each");
+        }
+        let finite = self.x.iter().chain(&self.y).all(|number| number.is_finite());
+        let errors = self.y_error.iter().all(|error| *error >= 0.0 && error.is_finite());
+        (!(finite && errors)).then_some("every number must be finite, every error at least zero")
+    }
 }
 
 /// `[item.NAME.panel.NAME]`.

@@ -100,10 +100,15 @@ impl Study {
                 let needed = match input {
                     SeriesInput::Ratio(ratio) => vec![&ratio.numerator, &ratio.denominator],
                     SeriesInput::Product(product) => vec![&product.of],
-                    SeriesInput::Estimates(_) | SeriesInput::Table(_) => Vec::new(),
+                    SeriesInput::Estimates(_) | SeriesInput::Table(_) | SeriesInput::Published(_) => Vec::new(),
                 };
                 if let Some(unknown) = needed.into_iter().find(|needed| !known.contains(&needed.as_str())) {
                     return wrong(place(&format!("series.{series}")), &format!("no series `{unknown}` before it"));
+                }
+                if let SeriesInput::Published(published) = input
+                    && let Some(fault) = published.fault()
+                {
+                    return wrong(place(&format!("series.{series}")), fault);
                 }
                 known.push(series);
             }

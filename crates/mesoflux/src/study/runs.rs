@@ -29,7 +29,10 @@ impl Row<'_> {
         column.or_else(|| {
             let mut keys = name.split('.');
             let first = self.input.get(keys.next()?)?;
-            let value = keys.try_fold(first, |table, key| table.get(key))?;
+            let value = keys.try_fold(first, |value, key| match value.as_array() {
+                Some(numbers) => numbers.get(key.parse::<usize>().ok()?),
+                None => value.get(key),
+            })?;
             let number = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))?;
             Some(Cell { value: Some(number), error: Some(0.0) })
         })
@@ -88,9 +91,13 @@ impl FinishedRuns {
 fn estimate<'a>(record: &Value, input: &'a toml::Table) -> Row<'a> {
     let value = Cell { value: record["value"].as_f64(), error: record["standard_error"].as_f64() };
     let conditions = record["conditions"].as_object().into_iter().flatten();
-    let exact = |number: &Value| Cell { value: number.as_f64(), error: Some(0.0) };
+    let error = |name: &str| record["conditions"][format!("{name}_standard_error")].as_f64().unwrap_or(0.0);
     let mut cells = vec![("value".to_owned(), value)];
-    cells.extend(conditions.filter(|(_, value)| value.is_number()).map(|(name, value)| (name.clone(), exact(value))));
+    cells.extend(
+        conditions
+            .filter(|(_, value)| value.is_number())
+            .map(|(name, value)| (name.clone(), Cell { value: value.as_f64(), error: Some(error(name)) })),
+    );
     let warnings = record["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
     let warnings: Vec<&str> = warnings.collect();
     Row { cells, input, warning: warnings.join("; ") }

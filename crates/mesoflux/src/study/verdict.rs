@@ -157,6 +157,9 @@ impl Claim {
             } else {
                 Verdict::CannotTell
             };
+        } else if side.is_some() {
+            // What is exact, such as the chance of a test, lies on one side of a bound or on the other.
+            judged.verdict = if beyond == 0.0 { Verdict::Holds } else { Verdict::Fails };
         } else {
             notes.push("the number has no error".to_owned());
         }

@@ -126,6 +126,10 @@ observable = "shear_stress"
 quantity = "probability_density"
 observable = "temperature"
 routes.counting = { range = [0.5, 1.5], bins = 20 }
+
+[measure.speeds]
+quantity = "speed_distribution"
+routes.speed_histogram = { bins = 20, sample_interval = 4 }
 "#;
 
 /// The estimate of a measurement by a method.

@@ -96,6 +96,11 @@ fn bounds() {
         assert!(judged.standard_error.unwrap() > judged.required_error, "{bound}");
     }
     assert_eq!(verdict(value, "below = 1.0\nrequired_error = 0.01", &data), Verdict::CannotTell);
+    // Exact numbers lie on one side or on the other.
+    let data = one("a", law(&[1.0], 0.0, |_| 0.9));
+    assert_eq!(verdict(value, "above = 0.89\nrequired_error = 0.1", &data), Verdict::Holds);
+    assert_eq!(verdict(value, "below = 0.89\nrequired_error = 0.1", &data), Verdict::Fails);
+    assert_eq!(verdict(value, "expected = 0.9\nrequired_error = 0.1", &data), Verdict::CannotTell);
 }
 
 #[test]
