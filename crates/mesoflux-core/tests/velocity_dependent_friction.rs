@@ -426,20 +426,22 @@ fn relative_velocities_of_near_pairs_are_normal() {
         for _ in 0..20 {
             // The heavier particles are three times as slow.
             advance(&mut simulation, 15.0 / RATE);
-            let system = &simulation.system;
+            // In the order of ids: the order in storage remembers where particles were, and so tells of their velocities.
+            let particles = &simulation.system.particles;
+            let position = by_id(particles, &particles.position);
+            let momentum = by_id(particles, &particles.momentum);
+            let inverse_mass = by_id(particles, &particles.inverse_mass);
             // One neighbor for each particle at most, so that the numbers are independent.
-            let mut free = vec![true; system.particles.count()];
-            for i in 0..system.particles.count() {
-                for j in i + 1..system.particles.count() {
-                    let d = system
-                        .region
-                        .nearest_image(subtract(system.particles.position[i], system.particles.position[j]));
+            let mut free = vec![true; particles.count()];
+            for i in 0..particles.count() {
+                for j in i + 1..particles.count() {
+                    let d = simulation.system.region.nearest_image(subtract(position[i], position[j]));
                     let r = dot(d, d).sqrt();
                     if free[i] && free[j] && r < 0.5 {
                         (free[i], free[j]) = (false, false);
-                        let v = subtract(system.particles.velocity(i), system.particles.velocity(j));
-                        let inverse = system.particles.inverse_mass[i] + system.particles.inverse_mass[j];
-                        places.push(normal_cdf(dot(d, v) / r / (TEMPERATURE * inverse).sqrt()));
+                        let u = dot(d, momentum[i]) * inverse_mass[i] - dot(d, momentum[j]) * inverse_mass[j];
+                        let variance = TEMPERATURE * (inverse_mass[i] + inverse_mass[j]);
+                        places.push(normal_cdf(u / r / variance.sqrt()));
                     }
                 }
             }
