@@ -138,7 +138,7 @@ fn another_input_gets_another_directory() {
 #[test]
 fn a_study_that_was_interrupted_goes_on_to_the_same_bits() {
     let folder = study();
-    let input = format!("{FLUID}{MEASURE}").replace("production_time = 4.0", "production_time = 40.0");
+    let input = format!("{FLUID}{MEASURE}").replace("production_time = 4.0", "production_time = 100.0");
     let input = input.replace("replicas = 2", "replicas = 2\ncheckpoint_interval = 50");
     folder.write("mine/inputs/fluid.toml", input);
     reproduce(&folder, "mine --out undisturbed --threads 2");
