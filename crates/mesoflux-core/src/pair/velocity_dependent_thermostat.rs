@@ -215,7 +215,8 @@ impl BrickSweep<'_> {
             let row_end = (from + WIDTH).min(count);
             let (row, start) = (from / WIDTH, from);
             while from < row_end {
-                let together = without_sharing(updates.contacts.pairs(from..row_end));
+                let rest = updates.contacts.pairs(from..row_end);
+                let together = if updates.met.may_share(rest) { without_sharing(rest) } else { row_end - from };
                 self.change::<L>(row, 1, from - start..from - start + together, updates);
                 from += together;
             }
