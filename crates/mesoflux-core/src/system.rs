@@ -354,6 +354,15 @@ impl System {
         })
     }
 
+    /// Lets `work` act with the rows of the present velocities beside.
+    pub(crate) fn with_velocities<T>(&mut self, work: impl FnOnce(&mut Self, &[Row]) -> T) -> T {
+        self.update_velocities();
+        let velocity = std::mem::take(&mut self.velocity);
+        let result = work(self, &velocity);
+        self.velocity = velocity;
+        result
+    }
+
     /// Brings the rows of velocities up to date with the momenta.
     fn update_velocities(&mut self) {
         let Self { particles, velocity, workers, .. } = self;
@@ -400,11 +409,7 @@ impl System {
 
     /// The stress of pairs and bonds at the present positions and momenta, without noise.
     pub fn pair_stress(&mut self) -> PairStress {
-        self.update_velocities();
-        let velocity = std::mem::take(&mut self.velocity);
-        let stress = self.pair_stress_of(Some(&velocity), None);
-        self.velocity = velocity;
-        stress
+        self.with_velocities(|system, velocity| system.pair_stress_of(Some(velocity), None))
     }
 
     /// The stress of pairs and bonds at the present positions: see `pair::pair_stress`.

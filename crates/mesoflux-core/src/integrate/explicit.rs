@@ -1,7 +1,6 @@
 //! The explicit scheme of Naseri, Salueña and Bonet Avalos, Phys. Chem. Chem. Phys. 27, 190 (2025), eqs 4–5.
 
 use crate::friction::fluctuation_dissipation::Correction;
-use crate::lanes::Row;
 use crate::noise::{NoiseKey, Purpose};
 use crate::pair::PairNoise;
 use crate::system::{SimulationError, System};
@@ -14,13 +13,12 @@ use crate::system::{SimulationError, System};
 pub struct Explicit {
     temperature: f64,
     correction: Correction,
-    velocity: Vec<Row>,
 }
 
 impl Explicit {
     /// The scheme for kT.
     pub fn new(temperature: f64, correction: Correction) -> Self {
-        Self { temperature, correction, velocity: Vec::new() }
+        Self { temperature, correction }
     }
 
     /// kT.
@@ -32,28 +30,22 @@ impl Explicit {
     ///
     /// # Errors
     /// A state that is no longer finite.
-    pub fn step(&mut self, system: &mut System, noise: NoiseKey, time_step: f64) -> Result<(), SimulationError> {
-        let workers = system.workers;
+    pub fn step(&self, system: &mut System, noise: NoiseKey, time_step: f64) -> Result<(), SimulationError> {
         let draw = noise.draw(Purpose::Pair, system.step, 0);
         let noise = PairNoise { temperature: self.temperature, time_step, draw, correction: self.correction };
-        let particles = &system.particles;
-        self.velocity.resize(particles.count(), Row::default());
-        workers.for_each_chunk(&mut self.velocity, |offset, velocities| {
-            for (k, velocity) in velocities.iter_mut().enumerate() {
-                *velocity = Row::new(particles.velocity(offset + k), 0.0);
+        system.with_velocities(|system, velocity| {
+            if system.booked.is_some() {
+                let stress = system.pair_stress_of(Some(velocity), Some(&noise));
+                system.book_flight(time_step);
+                if let Some(booked) = &mut system.booked {
+                    booked.conservative += time_step * stress.conservative;
+                    booked.dissipative += time_step * stress.dissipative;
+                    booked.random += time_step * stress.random;
+                }
             }
+            system.velocity_dependent_forces(velocity, &noise);
+            system.kick_and_fly(velocity, time_step);
         });
-        if system.booked.is_some() {
-            let stress = system.pair_stress_of(Some(&self.velocity), Some(&noise));
-            system.book_flight(time_step);
-            if let Some(booked) = &mut system.booked {
-                booked.conservative += time_step * stress.conservative;
-                booked.dissipative += time_step * stress.dissipative;
-                booked.random += time_step * stress.random;
-            }
-        }
-        system.velocity_dependent_forces(&self.velocity, &noise);
-        system.kick_and_fly(&self.velocity, time_step);
         system.positions_moved()
     }
 }
