@@ -5,7 +5,7 @@ use mesoflux_core::friction::fluctuation_dissipation::Correction;
 use mesoflux_core::lanes::Row;
 use mesoflux_core::neighbors::NeighborList;
 use mesoflux_core::noise::{NoiseKey, Purpose, pair_gaussians};
-use mesoflux_core::pair::{PairNoise, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, velocity_dependent_forces};
+use mesoflux_core::pair::{PairNoise, Sweep, conservative_forces, thermostat_sweep, velocity_dependent_forces};
 use mesoflux_core::system::System;
 
 /// A kernel.
@@ -114,7 +114,7 @@ impl Bench {
                     response: None,
                     book_stress: false,
                 };
-                ornstein_uhlenbeck_sweep(list, interactions, &system.particles, velocity, &sweep, workers);
+                thermostat_sweep(list, interactions, &system.particles, velocity, &sweep, workers);
             }
             Kernel::Noise => pair_gaussians(draw, pairs, gaussians),
         }

@@ -4,15 +4,14 @@ use crate::bond::{Broken, Topology};
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
 use crate::field::Fields;
-use crate::friction::Dependence;
 use crate::integrate::{Constraint, Integrator};
 use crate::interactions::{Interactions, Kind, PairTable};
 use crate::lanes::Row;
 use crate::neighbors::{KindOfPair, NeighborError, NeighborList};
 use crate::observable::BookedStress;
 use crate::pair::{
-    PairNoise, PairStress, PairSums, Sweep, conservative_forces, ornstein_uhlenbeck_sweep, pair_stress, pair_sums,
-    velocity_dependent_forces, velocity_dependent_sweep,
+    PairNoise, PairStress, PairSums, Sweep, conservative_forces, pair_stress, pair_sums, thermostat_sweep,
+    velocity_dependent_forces,
 };
 use crate::state::Particles;
 use crate::tensor::SymmetricTensor;
@@ -322,10 +321,7 @@ impl System {
         self.update_velocities();
         let Self { particles, velocity, workers, .. } = self;
         let (list, interactions) = (&self.list, &self.interactions);
-        let sums = match interactions.friction_dependence() {
-            Dependence::Distance => ornstein_uhlenbeck_sweep(list, interactions, particles, velocity, sweep, *workers),
-            _ => velocity_dependent_sweep(list, interactions, particles, velocity, sweep, *workers),
-        };
+        let sums = thermostat_sweep(list, interactions, particles, velocity, sweep, *workers);
         if let Some(booked) = &mut self.booked {
             booked.dissipative += sums.dissipative;
             booked.random += sums.random;

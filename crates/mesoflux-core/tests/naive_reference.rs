@@ -159,7 +159,7 @@ fn sweep_order(system: &mut System, backward: bool) -> Vec<(usize, usize)> {
     let linear = system.interactions.friction_dependence() == Dependence::Distance;
     let (positions, region) = (system.particles.position.clone(), system.region);
     for contacts in system.contacts().contacts() {
-        let visits: Vec<usize> = if linear { contacts.in_order().collect() } else { contacts.in_rows().collect() };
+        let visits: Vec<usize> = if linear { contacts.in_order().collect() } else { contacts.in_groups() };
         let near = visits.into_iter().filter(|&k| contacts.separation(k, &positions, &region).0 < cutoff);
         order.extend(near.map(|k| contacts.pair(k).map(|place| id[place] as usize)).map(|[i, j]| (i, j)));
     }

@@ -1,9 +1,12 @@
 //! The pairs within the cutoff at the present positions: found once, visited by every pass in one order.
 
+use super::groups::{Groups, portions};
 use crate::boundary::PeriodicBox;
 use crate::interactions::{Kind, PairTable};
 use crate::lanes::{BlockNumbers, Candidates, Lanes, SEARCH_WIDTH, WIDTH};
 use crate::vector::{Vector, dot, subtract};
+use std::collections::HashMap;
+use std::ops::Range;
 
 /// Pairs of particles by their places in storage.
 ///
@@ -37,6 +40,12 @@ pub(crate) struct Block {
 }
 
 impl Block {
+    /// So many rows of eight contacts.
+    #[inline(always)]
+    pub fn of_rows(rows: Range<usize>) -> Self {
+        Self { first: rows.start * WIDTH, stride: WIDTH, streams: rows.len().min(WIDTH), depth: WIDTH }
+    }
+
     /// The index of the first contact of a stream.
     #[inline(always)]
     pub fn stream(&self, stream: usize) -> usize {
@@ -63,62 +72,43 @@ impl Contacts {
         contacts
     }
 
-    /// The contacts in the order of a forward sweep of rows.
-    ///
-    /// Thirty-two streams in lockstep, row by row of eight that stand four streams apart: what one row of pairs does to a particle is
-    /// needed again four rows later, and a processor can work on several rows at a time.
-    pub fn in_rows(&self) -> impl Iterator<Item = usize> {
-        (0..self.count).map(|visit| self.of_visit(visit))
+    /// The contacts in the order of a forward sweep where friction depends on velocity: group after group (see `pair/groups.rs`).
+    pub fn in_groups(&self) -> Vec<usize> {
+        let number: HashMap<[usize; 2], usize> = (0..self.count).map(|k| (self.pair(k), k)).collect();
+        let (mut groups, mut order) = (Groups::default(), Vec::with_capacity(self.count));
+        for portion in portions(self.count, false) {
+            groups.arrange(self, portion);
+            order.extend((0..groups.count()).flat_map(|group| groups.members(group)).map(|pair| number[&pair]));
+        }
+        order
     }
 
-    /// Which contact a forward sweep of rows visits as this one.
+    /// Fills rows of eight with copies of one of others' contacts.
     #[inline(always)]
-    fn of_visit(&self, visit: usize) -> usize {
-        const GROUPS: usize = 4;
-        let stride = self.count / (GROUPS * WIDTH);
-        if visit >= stride * GROUPS * WIDTH {
-            return visit;
+    pub(super) fn begin_rows(&mut self, rows: Range<usize>, others: &Self, contact: usize) {
+        let (start, end) = (rows.start * WIDTH, rows.end * WIDTH);
+        self.room(end);
+        self.first[start..end].fill(others.first[contact]);
+        self.second[start..end].fill(others.second[contact]);
+        if !others.kind.is_empty() {
+            self.kind.resize(self.first.len(), 0);
+            self.kind[start..end].fill(others.kind[contact]);
         }
-        let (entry, group, lane) = (visit / (GROUPS * WIDTH), visit / WIDTH % GROUPS, visit % WIDTH);
-        (lane * GROUPS + group) * stride + entry
     }
 
-    /// Up to eight times eight contacts of others from one visit of a sweep of rows on, as they are visited; returns how many, and the
-    /// block of their rows.
+    /// Puts one of others' contacts into a place of a row that was begun.
     #[inline(always)]
-    pub(crate) fn take_rows(&mut self, others: &Self, from: usize, backward: bool) -> (usize, Block) {
-        const ROOM: usize = (WIDTH + 1) * WIDTH;
-        if self.first.len() < ROOM {
-            self.first.resize(ROOM, 0);
-            self.second.resize(ROOM, 0);
+    pub(super) fn copy(&mut self, place: usize, others: &Self, contact: usize) {
+        (self.first[place], self.second[place]) = (others.first[contact], others.second[contact]);
+        if !others.kind.is_empty() {
+            self.kind[place] = others.kind[contact];
         }
-        let kinds = !others.kind.is_empty();
-        self.kind.resize(if kinds { ROOM } else { 0 }, 0);
-        let count = (others.count - from).min(WIDTH * WIDTH);
-        for n in 0..count {
-            let visit = if backward { others.count - 1 - from - n } else { from + n };
-            let contact = others.of_visit(visit);
-            (self.first[n], self.second[n]) = (others.first[contact], others.second[contact]);
-            if kinds {
-                self.kind[n] = others.kind[contact];
-            }
-        }
-        self.count = count;
+    }
+
+    /// Ends after so many rows of others' contacts.
+    pub(super) fn end_rows(&mut self, rows: usize, others: &Self) {
+        self.count = rows * WIDTH;
         self.places_below = others.places_below;
-        (count, Block { first: 0, stride: WIDTH, streams: count.div_ceil(WIDTH), depth: WIDTH.min(count) })
-    }
-
-    /// The places of some contacts, first and second.
-    #[inline(always)]
-    pub(crate) fn pairs(&self, range: std::ops::Range<usize>) -> [&[u32]; 2] {
-        [&self.first[range.clone()], &self.second[range]]
-    }
-
-    /// The places of two rows of eight from one on.
-    #[inline(always)]
-    pub(crate) fn row_places(&self, row: usize) -> [[[u32; WIDTH]; 2]; 2] {
-        let (row, next) = (row * WIDTH, (row + 1) * WIDTH);
-        [[*group(&self.first, row), *group(&self.first, next)], [*group(&self.second, row), *group(&self.second, next)]]
     }
 
     /// How many there are.

@@ -3,21 +3,13 @@
 use super::contacts::{Block, Contacts};
 use crate::friction::{Factor, Factors, Friction, Motions};
 use crate::interactions::{Kind, PairTable};
-use crate::lanes::{BlockOf, InstructionSet, Kernel, Lanes, WIDTH};
+use crate::lanes::{BlockOf, InstructionSet, Kernel, Lanes};
 
 /// The kind of each pair of a block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Kinds(pub BlockOf<Kind>);
 
 impl Kinds {
-    /// Those of two rows from one on, as the first of a block.
-    #[inline(always)]
-    pub fn rows(&self, row: usize) -> Self {
-        let mut first = Self::default();
-        (first.0[0], first.0[1]) = (self.0[row], self.0[(row + 1) % WIDTH]);
-        first
-    }
-
     /// Takes them over; all are zero where there is but one.
     #[inline(always)]
     pub fn update(&mut self, contacts: &Contacts, block: &Block) {
@@ -29,21 +21,26 @@ impl Kinds {
     }
 }
 
-/// The factors of so many rows of pairs.
+/// The factors of so many rows of pairs, whose kinds are those of a block's rows from one on.
 #[inline(always)]
 pub(super) fn fill_factors<L: Lanes>(
     frictions: &PairTable<Option<Friction>>,
     kinds: &Kinds,
+    from: usize,
     rows: usize,
     motions: &Motions,
     factors: &mut Factors,
 ) {
+    if let [Some(law)] = frictions.entries() {
+        law.fill_factors::<L>(rows, motions, factors);
+        return;
+    }
     let mut of_law = Factors::default();
     for (kind, law) in frictions.entries().iter().enumerate() {
         if let Some(law) = law {
             law.fill_factors::<L>(rows, motions, &mut of_law);
             for row in 0..rows {
-                let chosen = L::of_kind(&kinds.0[row], kind as Kind);
+                let chosen = L::of_kind(&kinds.0[from + row], kind as Kind);
                 let value = L::select(chosen, L::load(&of_law.value[row]), L::load(&factors.value[row]));
                 let slope = L::select(chosen, L::load(&of_law.slope[row]), L::load(&factors.slope[row]));
                 value.store(&mut factors.value[row]);
@@ -74,7 +71,7 @@ impl Kernel for FillFactors<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        fill_factors::<L>(self.frictions, self.kinds, self.rows, self.motions, self.factors);
+        fill_factors::<L>(self.frictions, self.kinds, 0, self.rows, self.motions, self.factors);
     }
 }
 

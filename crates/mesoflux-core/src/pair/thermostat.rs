@@ -4,8 +4,10 @@ use super::contacts::{Block, Contacts};
 use super::scatter::{BlockRows, Scatter};
 use super::separations::Separations;
 use super::stress::TensorLanes;
+use super::velocity_dependent_thermostat::VelocityDependentSweep;
 use crate::boundary::PeriodicBox;
 use crate::domain::Workers;
+use crate::friction::Dependence;
 use crate::friction::fluctuation_dissipation::ornstein_uhlenbeck;
 use crate::interactions::Interactions;
 use crate::lanes::{BlockNumbers, InstructionSet, Kernel, Lanes, Row, RowLanes, WIDTH, inner_product};
@@ -57,12 +59,13 @@ impl Add for SweepSums {
     }
 }
 
-/// Updates every pair with friction in turn: p_i += μ (Δv^D + Δv^R) e, p_j −= the same (Wu & Shang, eqs 27–29, 58–61).
+/// Updates every pair with friction in turn: p_i += μ (Δv^D + Δv^R) e, p_j −= the same (Wu & Shang, eqs 27–29, 58–61); where friction
+/// depends on velocity see `velocity_dependent_thermostat`.
 ///
 /// Works on rows of velocities, which the caller took from the momenta and takes back to them.
 /// Each term of the expected sums is given the state just before its pair is visited. What remains of a change is the martingale
 /// of the noise.
-pub fn ornstein_uhlenbeck_sweep(
+pub fn thermostat_sweep(
     list: &NeighborList,
     interactions: &Interactions,
     particles: &Particles,
@@ -72,21 +75,27 @@ pub fn ornstein_uhlenbeck_sweep(
 ) -> SweepSums {
     let (velocity, region, points) = (Scatter::new(velocity), list.region(), list.points());
     let instructions = InstructionSet::detect();
+    let dependence = interactions.friction_dependence();
     let parts = list.sweep(sweep.backward, workers, |contacts| {
-        instructions.run(BrickSweep { contacts, interactions, particles, region, sweep, velocity: &velocity, points })
+        let brick = BrickSweep { contacts, interactions, particles, region, sweep, velocity: &velocity, points };
+        match dependence {
+            Dependence::Distance => instructions.run(brick),
+            Dependence::Transverse => instructions.run(VelocityDependentSweep::<false>(brick)),
+            Dependence::Radial => instructions.run(VelocityDependentSweep::<true>(brick)),
+        }
     });
     parts.into_iter().fold(SweepSums::default(), SweepSums::add)
 }
 
 /// The pairs of one brick.
-struct BrickSweep<'a> {
-    contacts: &'a Contacts,
-    interactions: &'a Interactions,
-    particles: &'a Particles,
-    region: &'a PeriodicBox,
-    sweep: &'a Sweep<'a>,
-    velocity: &'a Scatter<'a>,
-    points: &'a [Row],
+pub(super) struct BrickSweep<'a> {
+    pub contacts: &'a Contacts,
+    pub interactions: &'a Interactions,
+    pub particles: &'a Particles,
+    pub region: &'a PeriodicBox,
+    pub sweep: &'a Sweep<'a>,
+    pub velocity: &'a Scatter<'a>,
+    pub points: &'a [Row],
 }
 
 /// What the update of each contact of a block needs; none of it depends on velocities.
