@@ -14,6 +14,7 @@ use mesoflux_core::friction::cross::Cross;
 use mesoflux_core::friction::dot::Dot;
 use mesoflux_core::friction::expression::Source;
 use mesoflux_core::friction::fluctuation_dissipation::Correction;
+use mesoflux_core::friction::thinning::Thinning;
 use mesoflux_core::friction::{Dependence, Friction};
 use mesoflux_core::integrate::{Change, Explicit, FluxChange, Integrator, Schedule, Stroke, VelocityVerlet};
 use mesoflux_core::noise::{NoiseKey, Purpose};
@@ -64,8 +65,8 @@ fn rubbing(choice: usize, kind: usize, coefficient: f64, cutoff: f64) -> Frictio
     let typed = "g*(1 - r/c)^2/(1 + 0.3*radial^2 + 0.2*transverse)";
     match (choice + if choice == 4 { kind } else { 0 }) % 4 {
         0 => Friction::Linear(friction(coefficient, cutoff)),
-        1 => Friction::Cross(Cross { coefficient, thinning: 0.4, cutoff, exponent: 2.0 }),
-        2 => Friction::Dot(Dot { coefficient, thinning: 0.3, cutoff, exponent: 1.5 }),
+        1 => Friction::Cross(Cross(Thinning { coefficient, thinning: 0.4, cutoff, exponent: 2.0 })),
+        2 => Friction::Dot(Dot(Thinning { coefficient, thinning: 0.3, cutoff, exponent: 1.5 })),
         _ => {
             let parameters = [("g".to_owned(), coefficient), ("c".to_owned(), cutoff)].into();
             Friction::Expression(Source { friction: typed.into(), parameters, cutoff }.into())

@@ -12,6 +12,7 @@ use mesoflux_core::friction::cross::Cross;
 use mesoflux_core::friction::dot::Dot;
 use mesoflux_core::friction::expression::Source;
 use mesoflux_core::friction::fluctuation_dissipation::{Correction, PairStep, correction, predicted, random_force};
+use mesoflux_core::friction::thinning::Thinning;
 use mesoflux_core::friction::{Friction, Motion};
 use mesoflux_core::integrate::{Explicit, Integrator, Schedule, SweepOrder, Thermostat};
 use mesoflux_core::noise::{NoiseKey, Purpose};
@@ -28,7 +29,7 @@ const TEMPERATURE: f64 = 0.1;
 const INVERSE_REDUCED_MASS: f64 = 2.0;
 
 fn dot_law(thinning: f64) -> Friction {
-    Friction::Dot(Dot { coefficient: 5.0, thinning, cutoff: 1.0, exponent: 2.0 })
+    Friction::Dot(Dot(Thinning { coefficient: 5.0, thinning, cutoff: 1.0, exponent: 2.0 }))
 }
 
 fn typed_law() -> Friction {
@@ -346,7 +347,7 @@ fn temperature(simulation: &mut Simulation, snapshots: usize) -> (f64, f64) {
 /// The letter at a hundred times the paper's time step: temperature and speeds, of equal and unequal particles.
 #[test]
 fn fluids_have_maxwells_speeds_at_a_large_time_step() {
-    let cross = Friction::Cross(Cross { coefficient: 5.0, thinning: 1.0, cutoff: 1.0, exponent: 2.0 });
+    let cross = Friction::Cross(Cross(Thinning { coefficient: 5.0, thinning: 1.0, cutoff: 1.0, exponent: 2.0 }));
     let laws = [("cross", cross), ("dot", dot_law(1.0)), ("typed", typed_law())];
     check_scores(|seed| {
         let mut scores = Vec::new();

@@ -5,6 +5,7 @@ pub mod dot;
 pub mod expression;
 pub mod fluctuation_dissipation;
 pub mod linear;
+pub mod thinning;
 
 use crate::expression::ExpressionError;
 use crate::lanes::{BlockNumbers, Lanes, Real};
@@ -224,8 +225,8 @@ impl PairLaw for Friction {
     fn fill<L: Lanes>(&self, streams: usize, distance: &BlockNumbers, values: &mut BlockNumbers) {
         let at_rest = match self {
             Self::Linear(law) => *law,
-            Self::Cross(law) => law.at_rest(),
-            Self::Dot(law) => law.at_rest(),
+            Self::Cross(law) => law.0.at_rest(),
+            Self::Dot(law) => law.0.at_rest(),
             Self::Expression(law) => return fill_amplitudes::<L>(law, streams, distance, values),
         };
         if at_rest.exponent == 2.0 {

@@ -89,7 +89,11 @@ pub(super) fn reproduce(arguments: &Arguments) -> Result<(), Failure> {
     judged.retain(|entry| item.as_ref().is_none_or(|item| *item == entry.item));
     let notes =
         judged.iter().filter_map(|entry| Some(format!("{}, {}: {}\n", entry.item, entry.claim, entry.note.as_ref()?)));
-    let notes: String = notes.collect();
+    let mut notes: String = notes.collect();
+    let warnings = report::alike(judged.iter().flat_map(|entry| &entry.warnings));
+    if !warnings.is_empty() {
+        notes += &format!("the runs warn of {} kinds of things: see README.md there\n", warnings.len());
+    }
     let directory = place.directory.path().display();
     print(&format!(
         "{}\n\n{}{notes}\nfigures, data and verdicts in {directory}\n",

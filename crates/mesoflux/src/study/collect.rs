@@ -95,14 +95,13 @@ impl<'a> Collected<'a> {
         match (x, y) {
             (Some((x, x_error)), Some((y, y_error))) if y.is_finite() && y_error.is_finite() => {
                 self.series.points.push(Point { x, x_error, y, y_error });
-                if !row.warning.is_empty() {
-                    let at = place.map_or_else(String::new, |x| format!(" at {x}"));
-                    self.series.warnings.push(format!("{}{at}: {}", self.wanted.of, row.warning));
-                }
+                let at = place.map_or_else(String::new, |x| format!(" at {x}"));
+                let warnings = row.warnings.iter().map(|warning| format!("{}{at}: {warning}", self.wanted.of));
+                self.series.warnings.extend(warnings);
             }
             _ => {
                 let unknown = || format!("{} has no number with an error there", self.wanted.of);
-                let reason = if row.warning.is_empty() { unknown() } else { row.warning.clone() };
+                let reason = if row.warnings.is_empty() { unknown() } else { row.warnings.join("; ") };
                 self.series.missing.push(Missing { x: place, reason });
             }
         }

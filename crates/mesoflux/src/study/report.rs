@@ -3,6 +3,7 @@
 use super::Study;
 use super::verdict::{Judged, Side};
 use crate::report::{columns, value_with_error};
+use std::collections::BTreeSet;
 
 /// The verdicts as columns.
 pub fn table(judged: &[Judged]) -> String {
@@ -79,6 +80,40 @@ pub fn page(study: &Study, judged: &[Judged], command: &str, drawn: &[String]) -
         if !notes.is_empty() {
             text += &format!("\n{notes}");
         }
+        let warnings = alike(own.iter().flat_map(|entry| &entry.warnings));
+        if !warnings.is_empty() {
+            text += "\nThe runs warn:\n\n";
+            text += &warnings.iter().map(|warning| format!("- {warning}.\n")).collect::<String>();
+        }
     }
     text
+}
+
+/// Texts that differ in their numbers only, each kind once, with how many more there are.
+pub fn alike<'a>(texts: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let mut kinds: Vec<(String, BTreeSet<&str>)> = Vec::new();
+    for text in texts {
+        let kind = text.replace(|letter: char| letter.is_ascii_digit() || ".,-".contains(letter), "");
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, members)) => _ = members.insert(text),
+            None => kinds.push((kind, BTreeSet::from([text.as_str()]))),
+        }
+    }
+    let line = |(_, members): (String, BTreeSet<&str>)| match (members.first(), members.len()) {
+        (Some(first), 1) => (*first).to_owned(),
+        (first, number) => format!("{} (and {} like it)", first.unwrap_or(&""), number - 1),
+    };
+    kinds.into_iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_that_differ_in_numbers_are_told_once() {
+        let texts = ["nemd at 2: 3.5 times", "nemd at 10: 12 times", "nemd at 2: hot", "nemd at 2: 3.5 times"];
+        let texts = texts.map(str::to_owned);
+        assert_eq!(alike(texts.iter()), ["nemd at 10: 12 times (and 1 like it)", "nemd at 2: hot"]);
+    }
 }

@@ -19,7 +19,7 @@ pub struct Row<'a> {
     cells: Cells,
     input: &'a toml::Table,
     /// What the run says beside the numbers, or why there are none.
-    pub warning: String,
+    pub warnings: Vec<String>,
 }
 
 impl Row<'_> {
@@ -80,7 +80,7 @@ impl FinishedRuns {
                 continue;
             }
             let text = std::fs::read_to_string(&path).map_err(|source| StudyError::read(&path, source))?;
-            let row = |cells| Row { cells, input, warning: String::new() };
+            let row = |cells| Row { cells, input, warnings: Vec::new() };
             found.extend(rows(&text).into_iter().map(row));
         }
         Ok((found, absent))
@@ -99,6 +99,5 @@ fn estimate<'a>(record: &Value, input: &'a toml::Table) -> Row<'a> {
             .map(|(name, value)| (name.clone(), Cell { value: value.as_f64(), error: Some(error(name)) })),
     );
     let warnings = record["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let warnings: Vec<&str> = warnings.collect();
-    Row { cells, input, warning: warnings.join("; ") }
+    Row { cells, input, warnings: warnings.map(str::to_owned).collect() }
 }

@@ -65,6 +65,9 @@ pub struct Judged {
     /// What a reader must know.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// What the runs warn of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// What a claim expects.
@@ -122,6 +125,7 @@ impl Claim {
             z: None,
             verdict: Verdict::CannotTell,
             note: None,
+            warnings: Vec::new(),
         };
         let finding = match found {
             Ok(finding) if finding.value.is_finite() && finding.standard_error.is_finite() => finding,
@@ -135,6 +139,7 @@ impl Claim {
             }
         };
         let mut notes = finding.notes;
+        judged.warnings = finding.warnings;
         judged.measured = Some(finding.value);
         judged.standard_error = Some(finding.standard_error);
         let difference = finding.value - expected;

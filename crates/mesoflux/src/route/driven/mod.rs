@@ -135,6 +135,10 @@ impl<W: Way> Route for Driven<W> {
         outcome.tables.push(("", table));
         let DrivenRecordings { autocorrelation, histogram, profile } = self.0.recordings();
         if let Some(asked) = autocorrelation {
+            let unknown = response::unknown_memories::<W>(strengths, &records);
+            if !unknown.is_empty() {
+                outcome.conditions.insert("asymptotic_variance_unknown".to_owned(), unknown.join("; ").into());
+            }
             outcome.tables.push(("autocorrelation", response::autocorrelation::<W>(strengths, &records, asked)));
         }
         if histogram.is_some() {

@@ -70,6 +70,16 @@ pub(super) fn table<W: Way>(
     Ok(Table::new(header, rows))
 }
 
+/// Why an autocorrelation has no integral yet, strength by strength.
+pub(super) fn unknown_memories<W: Way>(strengths: &[f64], records: &[&DrivenRecord]) -> Vec<String> {
+    let reasons = strengths.iter().zip(records).filter_map(|(strength, record)| {
+        let memory = record.autocorrelation.as_ref()?.autocorrelation_time().asymptotic_variance;
+        let reason = memory.warnings.first()?;
+        Some(format!("at {} = {strength}: {reason}", W::IMPOSED.name))
+    });
+    reasons.collect()
+}
+
 /// An estimate without reserve, or none: what is too short for the series' memory gives no more than a bound.
 fn told(estimate: Estimate) -> Estimate {
     if estimate.warnings.is_empty() { estimate } else { Estimate::default() }

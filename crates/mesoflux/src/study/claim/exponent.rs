@@ -25,8 +25,8 @@ impl Exponent {
         Ok(Finding {
             value: fit.parameters[1],
             standard_error: fit.standard_error(1) * excess.unwrap_or(1.0),
-            violation: None,
             notes: excess.map(inflated).into_iter().collect(),
+            ..Finding::default()
         })
     }
 }

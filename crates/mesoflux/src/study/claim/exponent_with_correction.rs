@@ -45,8 +45,8 @@ impl ExponentWithCorrection {
         Ok(Finding {
             value: fit.parameters[1],
             standard_error: fit.standard_error(1) * excess.unwrap_or(1.0),
-            violation: None,
             notes,
+            ..Finding::default()
         })
     }
 }

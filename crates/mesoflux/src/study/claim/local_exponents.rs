@@ -35,8 +35,8 @@ impl LocalExponents {
         Ok(Finding {
             value,
             standard_error,
-            violation: None,
             notes: vec![format!("from point to point {}", all.join(", "))],
+            ..Finding::default()
         })
     }
 }

@@ -75,20 +75,22 @@ pub struct Finding {
     pub violation: Option<f64>,
     /// What a reader must know.
     pub notes: Vec<String>,
+    /// What the runs warn of.
+    pub warnings: Vec<String>,
 }
 
 /// The series of an item by name.
 pub type Data = BTreeMap<String, Series>;
 
 impl Kind {
-    /// Measures it; what the runs warn of is noted.
+    /// Measures it; what the runs warn of goes with it.
     ///
     /// # Errors
     /// Why it can't be told.
     pub fn measure(&self, data: &Data) -> Result<Finding, String> {
         let mut finding = self.number(data)?;
         for series in self.series().into_iter().filter_map(|name| data.get(name)) {
-            finding.notes.extend(series.warnings.iter().cloned());
+            finding.warnings.extend(series.warnings.iter().cloned());
         }
         Ok(finding)
     }

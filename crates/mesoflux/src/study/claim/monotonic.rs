@@ -40,6 +40,7 @@ impl Monotonic {
             standard_error: fit.standard_error(1),
             violation: violation.map(|(_, score)| score),
             notes: note.into_iter().collect(),
+            ..Finding::default()
         })
     }
 }

@@ -37,6 +37,6 @@ pub(super) fn compare(data: &Data, a: &str, b: &str, window: Option<Range>) -> R
     let comparison = Comparison::new(&series(data, a)?.within(window)?, &below)?;
     let notes = comparison.excess.map(inflated).into_iter().collect();
     let finding =
-        Finding { value: comparison.ratio, standard_error: comparison.standard_error, violation: None, notes };
+        Finding { value: comparison.ratio, standard_error: comparison.standard_error, notes, ..Finding::default() };
     Ok((comparison, finding))
 }
