@@ -44,7 +44,9 @@ fn warnings(record: &Value) -> String {
 
 #[test]
 fn the_reference_fluid_has_the_published_viscosity() {
-    let folder = Folder::with(&format!("{REFERENCE}routes.momentum_exchange.stress = 3.42\n"));
+    let folder = Folder::with(&format!(
+        "{REFERENCE}routes.momentum_exchange = {{ stress = 3.42, strain_rate = {{ cutoff = 0.5 }} }}\n"
+    ));
     let results = folder.run_for_results("");
     let record = estimate(&results, "viscosity", "momentum_exchange");
     let (viscosity, error) = value(&results, "viscosity", "momentum_exchange");
@@ -89,7 +91,13 @@ fn the_reference_fluid_has_the_published_viscosity() {
             let z = (sign * row[4] + gradient * along) / row[5].hypot(0.01);
             assert!(z.abs() < 4.5, "bin {bin}: {} ± {} at {along}", row[4], row[5]);
             assert!((row[6] - temperature).abs() < 5.0 * row[7], "bin {bin}: {row:?}");
+            // The gradient around every particle, by its neighbors, is that of the profile.
+            let z = (row[10] + sign * gradient) / row[11].hypot(0.01);
+            assert!(z.abs() < 4.5, "bin {bin}: local gradient {} ± {}", row[10], row[11]);
         }
+        // In the slabs, four bins each, the exchange counts as heat.
+        let given = if (8..12).contains(&(bin % 20)) { condition(record, "momentum").powi(2) / 2.0 } else { 0.0 };
+        assert!((row[8] - row[6] - given).abs() < 1e-9, "bin {bin}: {row:?}");
     }
     assert!(folder.read("out/viscosity-momentum_exchange.svg").contains("<circle"));
 }

@@ -54,6 +54,13 @@ impl Slabs {
         [0.25, 0.75].into_iter().position(|center| (share - center).abs() <= 0.5 * self.width)
     }
 
+    /// How much of one of so many equal bins across the box lies in the slabs, from 0 to 1.
+    pub fn share_inside(&self, bin: usize, bins: usize) -> f64 {
+        let (low, high) = (bin as f64 / bins as f64, (bin + 1) as f64 / bins as f64);
+        let inside = |center: f64| (high.min(center + 0.5 * self.width) - low.max(center - 0.5 * self.width)).max(0.0);
+        (inside(0.25) + inside(0.75)) * bins as f64
+    }
+
     /// x in its half of the fluid: the distance ξ ∈ [−L/4, L/4) from the center of the half, and the sign of the flow there.
     ///
     /// The flow times this sign is the same odd function of ξ in both halves, falling where that of the first slab is positive.
@@ -273,6 +280,16 @@ mod tests {
             };
             assert_eq!(slabs().slab(x, side), expected, "{x}");
         }
+    }
+
+    #[test]
+    fn bins_know_their_share_of_the_slabs() {
+        // Of eight bins the slabs, from 0.2 to 0.3 and from 0.7 to 0.8, touch two each.
+        let shares: Vec<f64> = (0..8).map(|bin| slabs().share_inside(bin, 8)).collect();
+        for (share, expected) in shares.iter().zip([0.0, 0.4, 0.4, 0.0, 0.0, 0.4, 0.4, 0.0]) {
+            assert!((share - expected).abs() < 1e-12, "{shares:?}");
+        }
+        assert!((slabs().share_inside(12, 50) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::state::Particles;
 use crate::system::System;
 use crate::tensor::{AXES, SymmetricTensor};
 use crate::vector::{Vector, dot, subtract};
+use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::ops::AddAssign;
 use std::sync::{Mutex, PoisonError};
@@ -49,7 +50,8 @@ impl AddAssign for VelocityGradient {
 }
 
 /// By what the first moment of the neighbors' momenta is divided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Normalization {
     /// By what their masses would have as second moment, were they spread evenly in all directions and distances: the paper's form,
     /// G_i = Σ_j r (p_j − m_j v_i) ω/(C Σ_j m_j ω) with 3C = ∫ω r² dV/∫ω dV.

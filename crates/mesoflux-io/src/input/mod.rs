@@ -22,7 +22,7 @@ pub use choice::{Intervals, Magnitudes};
 pub use document::{InputError, InputFile, Setting};
 pub use field::FieldInput;
 pub use molecules::{BlockInput, BondInput, Chain, ExclusionsInput, MoleculeInput};
-pub use momentum_exchange::{ExchangeKind, ExchangeStrength, MomentumExchangeInput};
+pub use momentum_exchange::{ExchangeKind, ExchangeStrength, MomentumExchangeInput, StrainRateInput};
 pub use route_parameters::{
     CorrelationInput, CountingInput, DrivenRecordings, MeanSquaredDisplacementInput, NemdInput, NortonInput, Plain,
     ProfileInput, RoutesInput, TransverseCurrentInput,

@@ -7,6 +7,7 @@ use super::{Input, MeasureInput};
 use mesoflux_core::driving::{Exchange, Slabs};
 use mesoflux_core::forcing::Axis;
 use mesoflux_core::integrate::Thermostat;
+use mesoflux_core::observable::Normalization;
 use mesoflux_core::potential::Requirement;
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +45,23 @@ pub struct MomentumExchangeInput {
     /// out. It shortens the way to the steady state and changes no result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predicted_viscosity: Option<f64>,
+    /// Also the local velocity gradient of every particle from its neighbors, averaged over the bins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strain_rate: Option<StrainRateInput>,
+}
+
+/// `routes.momentum_exchange.strain_rate`: the estimator of Naseri et al., eqs 19–26, with the weight (1 − r/r_c)^s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StrainRateInput {
+    /// r_c: at most the largest cutoff of any pair law.
+    pub cutoff: f64,
+    /// s; 0 counts all neighbors alike, as the paper does.
+    #[serde(default)]
+    pub exponent: f64,
+    /// `local`, by the second moment that the neighbors have: exact in a uniform gradient; `isotropic`, the paper's.
+    #[serde(default)]
+    pub normalization: Normalization,
 }
 
 /// What the two particles of an exchange do.
@@ -184,6 +202,16 @@ impl Input {
         }
         if !(4..=MOST_BINS).contains(&route.bins) {
             return Err(Invalid::new(place("bins"), route.bins, format!("must be from 4 to {MOST_BINS}")));
+        }
+        if let Some(StrainRateInput { cutoff, exponent, .. }) = route.strain_rate {
+            number(&place("strain_rate.cutoff"), cutoff, Requirement::Positive)?;
+            number(&place("strain_rate.exponent"), exponent, Requirement::NotNegative)?;
+            let longest = self.interactions().cutoff();
+            if cutoff > longest {
+                let requirement =
+                    format!("must be at most {longest}, the largest cutoff of any pair law: no others are neighbors");
+                return Err(Invalid::new(place("strain_rate.cutoff"), written(cutoff), requirement));
+            }
         }
         Ok(())
     }

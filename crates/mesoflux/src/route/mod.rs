@@ -32,7 +32,7 @@ use green_kubo::Viscosity;
 use mesoflux_analysis::{AnalysisError, Estimate};
 use mesoflux_core::driving::{Projection, Slabs};
 use mesoflux_core::forcing::ForcingChoice;
-use mesoflux_core::observable::Thermodynamics;
+use mesoflux_core::observable::{StrainRateError, Thermodynamics};
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_io::input::{ExchangeStrength, Input, MeasureInput, Quantity};
 use mesoflux_io::results::{Conditions, Table};
@@ -146,6 +146,9 @@ pub enum RouteError {
     /// The estimator refused.
     #[error(transparent)]
     Analysis(#[from] AnalysisError),
+    /// A local strain rate that can't be estimated.
+    #[error(transparent)]
+    StrainRate(#[from] StrainRateError),
     /// A recorder's state that can't be read.
     #[error("the state of a recorder: {0}")]
     State(#[from] postcard::Error),

@@ -28,7 +28,7 @@ impl MomentumExchange {
         Self { slabs: parameters.slabs(measure), parameters }
     }
 
-    fn reader(&self, input: &Input) -> Reader {
+    fn reader(&self, input: &Input) -> Result<Reader, RouteError> {
         Reader::new(input, &self.parameters, self.slabs)
     }
 }
@@ -49,7 +49,7 @@ impl Route for MomentumExchange {
     }
 
     fn recorder(&self, input: &Input) -> Result<Box<dyn RouteRecorder>, RouteError> {
-        let reader = self.reader(input);
+        let reader = self.reader(input)?;
         Ok(Box::new(ExchangeRecorder {
             interval: input.run.sample_interval,
             reader,
@@ -61,7 +61,7 @@ impl Route for MomentumExchange {
     }
 
     fn estimate(&self, input: &Input, records: &[Record]) -> Result<Outcome, RouteError> {
-        let reader = self.reader(input);
+        let reader = self.reader(input)?;
         let point = |(strength, record): (_, &Record)| match record {
             Record::Exchange(record) => Point::new(input, &reader, strength, record),
             _ => Err(RouteError::WrongRecord),

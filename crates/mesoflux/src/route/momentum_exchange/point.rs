@@ -2,8 +2,8 @@
 
 use super::record::{Aligned, ExchangeRecord};
 use super::recorder::{
-    ACROSS, AMPLITUDE, BIN, COUNT, ENERGY, EXCHANGED, FIRST, FOURTH_MOMENT, HEAT, MASS, MIDDLE, MOMENTUM, NUMBERS,
-    Reader, SECOND_MOMENT, SIXTH_MOMENT, THIRD, WORK,
+    ACROSS, AMPLITUDE, COUNT, ENERGY, EXCHANGED, FIRST, FOURTH_MOMENT, GRADIENT, GRADIENTS, HEAT, MASS, MIDDLE,
+    MOMENTUM, NUMBERS, Reader, SECOND_MOMENT, SIXTH_MOMENT, THIRD, WORK,
 };
 use crate::route::{RouteError, cells};
 use mesoflux_analysis::{AnalysisError, Blocking, Estimate, SteadyState, steady_state};
@@ -41,8 +41,8 @@ pub(super) struct Point {
     /// Time in which the slowest mode of the flow decays, L²ρ_m/(4π²μ).
     pub relaxation: Option<f64>,
     pub warnings: Vec<String>,
-    /// Density, velocity and temperature by bin, each with its error.
-    pub profile: Vec<[f64; 6]>,
+    /// Density, velocity, temperature, effective temperature and, where it is asked for, local gradient by bin, each with its error.
+    pub profile: Vec<Vec<f64>>,
 }
 
 impl Point {
@@ -98,6 +98,7 @@ impl Point {
         let relaxation = relaxation.map(|value| total_mass / volume * (reader.side / (2.0 * PI)).powi(2) / value);
         let heat = if record.tells_heat { series.component(HEAT) } else { Estimate::default() };
         let missing = series.linear(&weights(&[(WORK, 1.0), (HEAT, -1.0), (ENERGY, -1.0)]));
+        let profile = profile(&aligned, start, reader, volume, total_mass, momentum.value.unwrap_or(f64::NAN))?;
         let mut point = Self {
             momentum,
             interval,
@@ -113,7 +114,7 @@ impl Point {
             discarded: time(start),
             relaxation,
             warnings,
-            profile: profile(&aligned, start, reader, volume, total_mass)?,
+            profile,
         };
         point.judge(time(aligned.count(start)) / record.replicas() as f64);
         Ok(point)
@@ -220,21 +221,32 @@ fn curvature(series: &Blocking) -> Estimate {
     )
 }
 
-/// Density, velocity and temperature of every bin.
+/// Density, velocity, temperature, effective temperature and local gradient of every bin.
+///
+/// The effective temperature is kT + Δp²/2m (Naseri et al., below Fig. 7) in the slabs, m being the mean mass there: with it, the pressure of an ideal
+/// gas is the same everywhere.
 fn profile(
     aligned: &Aligned,
     start: usize,
     reader: &Reader,
     volume: f64,
     total_mass: f64,
-) -> Result<Vec<[f64; 6]>, AnalysisError> {
+    momentum: f64,
+) -> Result<Vec<Vec<f64>>, AnalysisError> {
     let row = |bin: usize| {
-        let first = NUMBERS + BIN * bin;
-        let series = aligned.series(start, first..first + BIN)?;
+        let first = NUMBERS + reader.bin() * bin;
+        let series = aligned.series(start, first..first + reader.bin())?;
         let density = cells(&series.component(COUNT).scaled(reader.bins as f64 / volume));
         let velocity = cells(&series.ratio(MOMENTUM, MASS));
         let temperature = cells(&temperature(&series, total_mass));
-        Ok([density[0], density[1], velocity[0], velocity[1], temperature[0], temperature[1]])
+        let masses = series.mean().map_or(f64::NAN, |mean| mean[MASS] / mean[COUNT]);
+        let given = reader.slabs.share_inside(bin, reader.bins) * momentum * momentum / (2.0 * masses);
+        let effective = [temperature[0] + given, temperature[1]];
+        let mut row = [density, velocity, temperature, effective].concat();
+        if reader.strain_rate.is_some() {
+            row.extend(cells(&series.ratio(GRADIENT, GRADIENTS)));
+        }
+        Ok(row)
     };
     (0..reader.bins).map(row).collect()
 }

@@ -2,11 +2,11 @@
 
 use super::record::ExchangeRecord;
 use crate::route::{Record, RouteError, RouteRecorder};
-use mesoflux_analysis::AnalysisError;
 use mesoflux_core::driving::{Exchanged, Slabs};
+use mesoflux_core::observable::StrainRate;
 use mesoflux_core::run::{Moment, Recorder};
 use mesoflux_core::system::System;
-use mesoflux_io::input::{Input, MomentumExchangeInput};
+use mesoflux_io::input::{Input, MomentumExchangeInput, StrainRateInput};
 use mesoflux_io::stream;
 use std::f64::consts::TAU;
 use std::io::{self, Write};
@@ -44,8 +44,10 @@ pub(super) const MASS: usize = 1;
 pub(super) const ACROSS: usize = 2;
 /// Σ p along the flow, of bins alone.
 pub(super) const MOMENTUM: usize = 3;
-/// Numbers of a bin.
-pub(super) const BIN: usize = 4;
+/// Particles whose local velocity gradient is known, of bins alone and where it is asked for.
+pub(super) const GRADIENTS: usize = 4;
+/// Σ ∂v along the flow over ∂x, by the neighbors of each particle.
+pub(super) const GRADIENT: usize = 5;
 
 /// Reads the flow of a state.
 #[derive(Debug, Clone, Copy)]
@@ -56,23 +58,41 @@ pub(super) struct Reader {
     pub side: f64,
     /// h: half the thickness of the fitted middle of each half.
     pub reach: f64,
+    /// What estimates the gradient around every particle.
+    pub strain_rate: Option<StrainRate>,
 }
 
 impl Reader {
-    pub fn new(input: &Input, route: &MomentumExchangeInput, slabs: Slabs) -> Self {
+    pub fn new(input: &Input, route: &MomentumExchangeInput, slabs: Slabs) -> Result<Self, RouteError> {
         let side = input.sides()[slabs.gradient as usize];
         // From the center of a half to the edge of a slab.
         let free = (0.25 - 0.5 * slabs.width) * side;
-        Self { slabs, bins: route.bins as usize, side, reach: route.fitted_fraction * free }
+        let strain_rate = |asked: StrainRateInput| StrainRate::new(asked.cutoff, asked.exponent, asked.normalization);
+        let strain_rate = route.strain_rate.map(strain_rate).transpose()?;
+        Ok(Self { slabs, bins: route.bins as usize, side, reach: route.fitted_fraction * free, strain_rate })
+    }
+
+    /// Numbers of a bin.
+    pub fn bin(&self) -> usize {
+        if self.strain_rate.is_some() { 6 } else { 4 }
     }
 
     /// Numbers of a sample.
     pub fn numbers(&self) -> usize {
-        NUMBERS + BIN * self.bins
+        NUMBERS + self.bin() * self.bins
     }
 
     /// Adds what the particles tell to a sample of zeros.
-    fn read(&self, system: &System, sample: &mut [f64]) {
+    fn read(&self, system: &mut System, sample: &mut [f64]) -> Result<(), RouteError> {
+        let size = self.bin();
+        if let Some(strain_rate) = &self.strain_rate {
+            let (flow, gradient) = (self.slabs.flow as usize, self.slabs.gradient as usize);
+            let local = strain_rate.of(system)?;
+            let layers = local.profile(&system.particles, &system.region, gradient, self.bins);
+            for (bin, layer) in sample[NUMBERS..].chunks_exact_mut(size).zip(layers) {
+                (bin[GRADIENTS], bin[GRADIENT]) = (layer.count as f64, layer.gradient.0[gradient][flow]);
+            }
+        }
         let (flow, gradient) = (self.slabs.flow as usize, self.slabs.gradient as usize);
         let particles = &system.particles;
         let (mut total_mass, mut wave) = (0.0, 0.0);
@@ -86,7 +106,7 @@ impl Reader {
             wave += momentum[flow] * (TAU * x / self.side).sin();
             let share = x / self.side;
             let index = (((share - share.floor()) * self.bins as f64) as usize).min(self.bins - 1);
-            let bin = &mut sample[NUMBERS + BIN * index..][..BIN];
+            let bin = &mut sample[NUMBERS + size * index..][..size];
             bin[COUNT] += 1.0;
             bin[MASS] += mass;
             bin[ACROSS] += across;
@@ -106,6 +126,7 @@ impl Reader {
             }
         }
         sample[AMPLITUDE] = 2.0 * wave / total_mass;
+        Ok(())
     }
 }
 
@@ -118,7 +139,7 @@ pub(super) struct ExchangeRecorder {
     /// At the last sample.
     pub energy: Option<f64>,
     pub record: ExchangeRecord,
-    pub failure: Option<AnalysisError>,
+    pub failure: Option<RouteError>,
 }
 
 impl ExchangeRecorder {
@@ -135,8 +156,9 @@ impl ExchangeRecorder {
         sample[HEAT] = sum.heat.unwrap_or(0.0) * rate;
         sample[ENERGY] = (energy - before) * rate;
         self.record.tells_heat &= sum.heat.is_some();
-        self.reader.read(&moment.simulation.system, &mut sample);
-        self.failure = self.failure.take().or(self.record.record(&sample).err());
+        let read = self.reader.read(&mut moment.simulation.system, &mut sample);
+        let recorded = read.and_then(|()| Ok(self.record.record(&sample)?));
+        self.failure = self.failure.take().or(recorded.err());
     }
 }
 
@@ -175,7 +197,7 @@ impl RouteRecorder for ExchangeRecorder {
 
     fn finish(self: Box<Self>) -> Result<Record, RouteError> {
         match self.failure {
-            Some(failure) => Err(failure.into()),
+            Some(failure) => Err(failure),
             None => Ok(Record::Exchange(Box::new(self.record))),
         }
     }

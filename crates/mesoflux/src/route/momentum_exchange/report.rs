@@ -110,19 +110,19 @@ fn strengths(input: &Input, points: &[Point]) -> Table {
     Table::new(header, points.iter().map(row).collect())
 }
 
-/// Density, velocity and dynamic temperature across the box at every strength.
+/// Density, velocity, temperatures and local gradient across the box at every strength.
 fn profiles(reader: &Reader, points: &[Point]) -> Table {
     let axis = ["x", "y", "z"][reader.slabs.gradient as usize];
     let width = reader.side / reader.bins as f64;
     let rows = points.iter().flat_map(|point| {
-        let row = move |(bin, numbers): (usize, &[f64; 6])| {
+        let row = move |(bin, numbers): (usize, &Vec<f64>)| {
             let mut row = vec![cell(point.stress.value), (bin as f64 + 0.5) * width];
             row.extend(numbers);
             row
         };
         point.profile.iter().enumerate().map(row)
     });
-    let header = [
+    let mut header = vec![
         "stress [e/l^3]".to_owned(),
         format!("{axis} [l]"),
         "density [1/l^3]".to_owned(),
@@ -131,7 +131,12 @@ fn profiles(reader: &Reader, points: &[Point]) -> Table {
         "standard_error [v]".to_owned(),
         "dynamic_temperature [e]".to_owned(),
         "standard_error [e]".to_owned(),
+        "effective_temperature [e]".to_owned(),
+        "standard_error [e]".to_owned(),
     ];
+    if reader.strain_rate.is_some() {
+        header.extend(["local_gradient [1/t]", "standard_error [1/t]"].map(str::to_owned));
+    }
     Table::new(header, rows.collect())
 }
 
