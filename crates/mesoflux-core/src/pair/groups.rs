@@ -98,7 +98,7 @@ impl Groups {
 
     /// The block of some groups.
     #[inline(always)]
-    pub fn block(&self, groups: Range<usize>) -> Block {
+    pub fn block(groups: Range<usize>) -> Block {
         Block::of_rows(groups.start * ROWS..groups.end * ROWS)
     }
 

@@ -55,7 +55,7 @@ impl<const RADIAL: bool> Kernel for VelocityDependentSweep<'_, RADIAL> {
             for block in 0..blocks {
                 let first = GROUPS * if sweep.backward { blocks - 1 - block } else { block };
                 let count = GROUPS.min(groups.count() - first);
-                let block = groups.block(first..first + count);
+                let block = Groups::block(first..first + count);
                 self.prepare::<L>(&groups.contacts, &block, &mut updates);
                 for group in 0..count {
                     let group = if sweep.backward { count - 1 - group } else { group };
