@@ -131,11 +131,12 @@ impl<W: Way> Route for Driven<W> {
             outcome.conditions.insert(W::IMPOSED.name.to_owned(), (*strength).into());
         }
         let spacing = input.run.sample_interval as f64 * input.dynamics.time_step;
-        let table = response::table::<W>(strengths, &records, spacing, self.0.checks_observable())?;
+        let memories = response::memories::<W>(&records, spacing)?;
+        let table = response::table::<W>(strengths, &records, &memories, self.0.checks_observable());
         outcome.tables.push(("", table));
         let DrivenRecordings { autocorrelation, histogram, profile } = self.0.recordings();
         if let Some(asked) = autocorrelation {
-            let unknown = response::unknown_memories::<W>(strengths, &records);
+            let unknown = response::unknown_memories::<W>(strengths, &memories);
             if !unknown.is_empty() {
                 outcome.conditions.insert("asymptotic_variance_unknown".to_owned(), unknown.join("; ").into());
             }

@@ -2,9 +2,25 @@
 
 use super::{DrivenRecord, Way, cells};
 use crate::route::{Outcome, RouteError};
-use mesoflux_analysis::{Estimate, Quadrature};
+use mesoflux_analysis::{AutocorrelationTime, Estimate, Quadrature};
 use mesoflux_io::input::CorrelationInput;
 use mesoflux_io::results::Table;
+
+/// How long the answer remembers, at every strength: by its autocorrelation where that is recorded, else by blocks.
+pub(super) fn memories<W: Way>(
+    records: &[&DrivenRecord],
+    spacing: f64,
+) -> Result<Vec<AutocorrelationTime>, RouteError> {
+    let memory = |record: &&DrivenRecord| {
+        if let Some(correlator) = &record.autocorrelation {
+            return Ok(correlator.autocorrelation_time());
+        }
+        let mut unit = vec![0.0; record.series.components()];
+        unit[W::PLACE] = 1.0;
+        Ok(record.series.autocorrelation_time(&unit, spacing)?)
+    };
+    records.iter().map(memory).collect()
+}
 
 /// One row for every strength: the mean answer, how it fluctuates, and what that makes of the estimator of α.
 ///
@@ -17,9 +33,9 @@ use mesoflux_io::results::Table;
 pub(super) fn table<W: Way>(
     strengths: &[f64],
     records: &[&DrivenRecord],
-    spacing: f64,
+    memories: &[AutocorrelationTime],
     checks_observable: bool,
-) -> Result<Table, RouteError> {
+) -> Table {
     let unit = W::ANSWER.unit;
     let mut header = vec![
         W::IMPOSED.header(),
@@ -40,21 +56,15 @@ pub(super) fn table<W: Way>(
             .extend(["forcing_observable [f]", "booked_minus_observable [f]", "standard_error [f]"].map(str::to_owned));
     }
     let mut rows = Vec::new();
-    for (&strength, record) in strengths.iter().zip(records) {
+    for ((&strength, record), memory) in strengths.iter().zip(records).zip(memories) {
         let series = &record.series;
-        let mut unit = vec![0.0; series.components()];
-        unit[W::PLACE] = 1.0;
         let answer = series.component(W::PLACE);
-        let memory = match &record.autocorrelation {
-            Some(correlator) => correlator.autocorrelation_time(),
-            None => series.autocorrelation_time(&unit, spacing)?,
-        };
-        let asymptotic = told(memory.asymptotic_variance);
+        let asymptotic = told(&memory.asymptotic_variance);
         let mut row = vec![strength];
         row.extend(cells(&answer));
         row.push(cells(&series.component(DrivenRecord::TEMPERATURE))[0]);
-        row.extend(cells(&told(variance::<W>(record))));
-        row.extend(cells(&told(memory.time)));
+        row.extend(cells(&told(&variance::<W>(record))));
+        row.extend(cells(&told(&memory.time)));
         row.extend(cells(&asymptotic));
         let estimator = W::asymptotic_variance(strength, &answer, &asymptotic);
         row.extend(cells(&if strength == 0.0 { Estimate::default() } else { estimator }));
@@ -67,22 +77,21 @@ pub(super) fn table<W: Way>(
         }
         rows.push(row);
     }
-    Ok(Table::new(header, rows))
+    Table::new(header, rows)
 }
 
 /// Why an autocorrelation has no integral yet, strength by strength.
-pub(super) fn unknown_memories<W: Way>(strengths: &[f64], records: &[&DrivenRecord]) -> Vec<String> {
-    let reasons = strengths.iter().zip(records).filter_map(|(strength, record)| {
-        let memory = record.autocorrelation.as_ref()?.autocorrelation_time().asymptotic_variance;
-        let reason = memory.warnings.first()?;
+pub(super) fn unknown_memories<W: Way>(strengths: &[f64], memories: &[AutocorrelationTime]) -> Vec<String> {
+    let reasons = strengths.iter().zip(memories).filter_map(|(strength, memory)| {
+        let reason = memory.asymptotic_variance.warnings.first()?;
         Some(format!("at {} = {strength}: {reason}", W::IMPOSED.name))
     });
     reasons.collect()
 }
 
 /// An estimate without reserve, or none: what is too short for the series' memory gives no more than a bound.
-fn told(estimate: Estimate) -> Estimate {
-    if estimate.warnings.is_empty() { estimate } else { Estimate::default() }
+fn told(estimate: &Estimate) -> Estimate {
+    if estimate.warnings.is_empty() { estimate.clone() } else { Estimate::default() }
 }
 
 /// ⟨x²⟩ − ⟨x⟩² of the answer, increased by the squared error of ⟨x⟩, by which it is too small on average.
@@ -182,7 +191,7 @@ mod tests {
         let mut squares = [0.0; 5];
         for seed in 0..8 {
             let record = recorded::<W>(mean, deviation, memory, seed);
-            let table = table::<W>(&[strength], &[&record], spacing, false).unwrap();
+            let table = table::<W>(&[strength], &[&record], &memories::<W>(&[&record], spacing).unwrap(), false);
             let row = &table.rows[0];
             let expected = [mean, deviation * deviation, time, asymptotic, estimator(asymptotic)];
             for (k, (column, expected)) in [1, 4, 6, 8, 10].into_iter().zip(expected).enumerate() {
@@ -213,7 +222,7 @@ mod tests {
         let mut series = Blocking::new(4).unwrap();
         [1.0, 2.0, 3.0].iter().for_each(|x| series.record(&[*x, 1.0, 1.0, x * x]).unwrap());
         let record = DrivenRecord { series, autocorrelation: None, histogram: None, profile: Vec::new() };
-        let row = &table::<Nemd>(&[1.0], &[&record], 0.1, false).unwrap().rows[0];
+        let row = &table::<Nemd>(&[1.0], &[&record], &memories::<Nemd>(&[&record], 0.1).unwrap(), false).rows[0];
         assert!(row[4..].iter().all(|number| number.is_nan()) && row[1] == 2.0, "{row:?}");
     }
 }

@@ -85,15 +85,14 @@ impl Reader {
     /// Adds what the particles tell to a sample of zeros.
     fn read(&self, system: &mut System, sample: &mut [f64]) -> Result<(), RouteError> {
         let size = self.bin();
+        let (flow, gradient) = (self.slabs.flow as usize, self.slabs.gradient as usize);
         if let Some(strain_rate) = &self.strain_rate {
-            let (flow, gradient) = (self.slabs.flow as usize, self.slabs.gradient as usize);
             let local = strain_rate.of(system)?;
             let layers = local.profile(&system.particles, &system.region, gradient, self.bins);
             for (bin, layer) in sample[NUMBERS..].chunks_exact_mut(size).zip(layers) {
                 (bin[GRADIENTS], bin[GRADIENT]) = (layer.count as f64, layer.gradient.0[gradient][flow]);
             }
         }
-        let (flow, gradient) = (self.slabs.flow as usize, self.slabs.gradient as usize);
         let particles = &system.particles;
         let (mut total_mass, mut wave) = (0.0, 0.0);
         for k in 0..particles.count() {
